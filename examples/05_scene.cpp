@@ -41,7 +41,7 @@ int main() {
   }
 
   const auto with_floor = [&](limber::ObjectId a, limber::ObjectId b) { return a == floor || b == floor; };
-  const limber::ClosestObjects nearest = scene.closest_objects({.filter = with_floor});
+  const limber::ClosestObjectsResult nearest = scene.closest_objects({.filter = with_floor});
   std::printf("%zu of %zu candidate pairs touch; body %u is nearest to the floor, %.4f above it\n", contacts,
               pairs_asked, nearest.objects.b, nearest.result.upper);
   return contacts > 0 && nearest.objects.a == floor && std::abs(nearest.result.upper - 0.05) < 0.01 ? 0 : 1;

@@ -46,7 +46,7 @@ int main() {
   for (int i = 0; i <= 8; ++i) needle.push_back({1.01, 0.02, 0.8 - 0.1 * i});
   const auto count_inside = [&] {
     std::vector<limber::SignedDistance> found(needle.size());
-    surface->signed_distances(needle, found);  // on all threads
+    surface->signed_distance_many(needle, found);  // on all threads
     int inside = 0;
     for (const limber::SignedDistance& point : found) inside += point.is_inside ? 1 : 0;
     const limber::SurfacePoint& tip = *found.back().closest;
@@ -67,8 +67,8 @@ int main() {
   const int after = count_inside();
 
   // Any triangles, open or not, have a winding number around a point: about 1 inside and 0 outside.
-  const double around_tip = limber::winding_number({tissue}, needle.back());
-  const double around_start = limber::winding_number({tissue}, needle.front());
+  const double around_tip = limber::generalized_winding_number({tissue}, needle.back());
+  const double around_start = limber::generalized_winding_number({tissue}, needle.front());
   std::printf("winding numbers: %g at the tip, %g at the start\n", around_tip, around_start);
   return before > after && after > 0 && std::abs(around_tip - 1) < 1e-9 && std::abs(around_start) < 1e-9 ? 0 : 1;
 }

@@ -32,8 +32,8 @@ double safe_part(Body& sheet, const Body& ball, const std::vector<Vec3>& moves) 
   for (std::size_t v = 0; v < end.size(); ++v) end[v] += moves[v];
   sheet.moving.set_motion(end).value();
   const limber::ImpactOptions options{.min_separation = separation, .nearer_part = 0.5};
-  return std::min(limber::conservative_step(limber::time_of_impact(sheet.moving, ball.moving, options), 1, share),
-                  limber::conservative_step(limber::self_time_of_impact(sheet.moving, options), 1, share));
+  return std::min({1.0, share * limber::time_of_impact(sheet.moving, ball.moving, options).lower,
+                   share * limber::self_time_of_impact(sheet.moving, options).lower});  // infinite if nothing touches
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   moving_a.set_motion(a.end, a.start_pose, a.end_pose).value();
   moving_b.set_motion(b.end, b.start_pose, b.end_pose).value();
   const auto options = [](std::uint64_t steps) {
-    return ImpactOptions{.ignores_crossings = true, .budget = {.max_steps = steps}};
+    return ImpactOptions{.ignore_crossings = true, .budget = {.max_steps = steps}};
   };
   const auto list = [](const auto& visit) {
     std::vector<Impact> found;

@@ -38,9 +38,9 @@ bool is_on_surface(const PointAnswers& ours, std::size_t i) {
   Vec3 position{0, 0, 0};
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!(found.barycentric[k] >= 0)) return false;
-    position += found.barycentric[k] * triangle[k];
-    sum += found.barycentric[k];
+    if (!(found.weights[k] >= 0)) return false;
+    position += found.weights[k] * triangle[k];
+    sum += found.weights[k];
   }
   const double rounding = rounding_of_size * ours.size;
   return std::abs(sum - 1) <= rounding_of_size && length(position - found.position) <= rounding &&
@@ -161,8 +161,8 @@ void ContactBench::points(const std::string& name, const Mesh& mesh, const std::
   const Model model(mesh);
   std::vector<PointResult> results(points->size()), of_two_threads(points->size());
   oneapi::tbb::task_arena one(1), two(2);
-  const auto ask_one = [&] { one.execute([&] { closest_points({model}, *points, results); }); };
-  const auto ask_two = [&] { two.execute([&] { closest_points({model}, *points, of_two_threads); }); };
+  const auto ask_one = [&] { one.execute([&] { closest_point_many({model}, *points, results); }); };
+  const auto ask_two = [&] { two.execute([&] { closest_point_many({model}, *points, of_two_threads); }); };
   ask_one(), ask_two();
 
   const PointAnswers ours{mesh, diagonal(mesh), *points, results};

@@ -51,7 +51,7 @@ void compare_frames(const std::string& name, const Mesh& first, const std::vecto
                     const std::vector<PeerRow>& peers, bool quick, Checker& checker, Table& table) {
   Model model(first);
   MovingModel moving(model);
-  const ImpactOptions options{.ignores_crossings = true};
+  const ImpactOptions options{.ignore_crossings = true};
   ImpactResult found;
   const double commit_ms = median_ms(quick, [&] { model.move_all(first.positions()).value(), model.commit(); });
   const double motion_ms = median_ms(quick, [&] { moving.set_motion(second).value(); });

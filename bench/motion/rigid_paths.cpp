@@ -77,7 +77,7 @@ void compare_rigid_paths(const Options& options, Checker& checker, Table& table)
     std::vector<double> distances;
     const Flights found(motions, [&](const Transform& start, const Transform& end) -> std::optional<double> {
       const PathImpact impact = time_of_impact(a, RigidMotion(start, end), b, {}, {.distance_error = error});
-      distances.push_back(static_cast<double>(impact.distances));
+      distances.push_back(static_cast<double>(impact.distance_count));
       return impact.status == ImpactStatus::clear ? std::nullopt : std::optional(impact.time);
     });
     for (std::size_t i = 0; i < motions.size(); ++i) {

@@ -117,7 +117,7 @@ struct Row {
   std::vector<double> ours_us = {}, fcl_us = {}, coal_us = {};
   Ratios fcl = {}, coal = {};
   Ratios long_ones = {};  // the faster of both, at poses that take limber more than 1 us
-  std::vector<double> node_tests = {}, triangle_tests = {};
+  std::vector<double> node_tests = {}, primitive_tests = {};
   int fcl_wrong = 0, coal_wrong = 0;  // poses
 
   std::string name() const { return fmt::format("{}, {}, {}", scene, situation, to_text(question)); }
@@ -128,7 +128,7 @@ struct Row {
     fcl.add(ours, theirs), coal.add(ours, coals);
     if (ours > 1) long_ones.add(ours, std::min(theirs, coals));
     node_tests.push_back(static_cast<double>(stats.node_tests));
-    triangle_tests.push_back(static_cast<double>(stats.triangle_tests));
+    primitive_tests.push_back(static_cast<double>(stats.primitive_tests));
   }
 };
 
@@ -204,7 +204,7 @@ void report(const Row& row, Table& table) {
              to_text(row.question), poses, median_cell(row.fcl), sums_cell(row.fcl), least_cell(row.fcl),
              median_cell(row.coal), sums_cell(row.coal), least_cell(row.long_ones), cell(row.fcl, median(row.ours_us)),
              cell(row.fcl, median(row.fcl_us)), cell(row.coal, median(row.coal_us)), count_cell(row.node_tests),
-             count_cell(row.triangle_tests));
+             count_cell(row.primitive_tests));
 }
 
 /// One line for each query: what the rows say together.

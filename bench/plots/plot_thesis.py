@@ -59,7 +59,7 @@ def plot_queries(results: Results) -> None:
                                                  ("10 %", "distance", 0.1, SKY, 8, (-26, 6)),
                                                  ("collision", "collide", 0, BLUE, 2, (5, -11))):
         nodes = results.query(query, error, "node_tests")
-        triangles = {x: y for x, y in results.query(query, error, "triangle_tests").items() if y > 0}
+        triangles = {x: y for x, y in results.query(query, error, "primitive_tests").items() if y > 0}
         curve(counters, nodes, color)
         curve(counters, triangles, color, linestyle=(0, (1, 1.2)), linewidth=1.2, markerfacecolor="white")
         label(counters, at, nodes[at], name, color, xytext=shift, fontweight="bold")

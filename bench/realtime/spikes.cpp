@@ -74,7 +74,7 @@ Batch drifted(const Mesh& mesh, int, scenes::Rng& rng) {
 }
 
 double visits(const QueryStats& stats) {
-  return static_cast<double>(stats.node_tests) + 8 * static_cast<double>(stats.triangle_tests);
+  return static_cast<double>(stats.node_tests) + 8 * static_cast<double>(stats.primitive_tests);
 }
 
 /// The visits of some queries as a multiple of those of a new tree.

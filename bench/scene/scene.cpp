@@ -190,7 +190,7 @@ void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& c
     collide_us.push_back(mean_us(1, [&] { scene.collide(found, std::span(collisions).first(count)); }));
     cold_us.push_back(mean_us(1, [&] { ask(cold, nullptr); }));
     warm_us.push_back(mean_us(1, [&] { ask(warm, &cache); }));
-    ClosestObjects closest, again;
+    ClosestObjectsResult closest, again;
     // Bodies that meet are no news here: the closest two that do not.
     std::set<std::pair<ObjectId, ObjectId>> meeting;
     for (std::size_t i = 0; i < count; ++i) {

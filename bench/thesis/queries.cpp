@@ -162,12 +162,12 @@ void time_rounds(Checker& checker, const Scene& scene, std::vector<Case>& cases,
 
 void report_pose(const Options& options, const std::vector<Case>& cases) {
   Table csv(options, "thesis_queries.csv");
-  csv.line("query,relative_error,separation,min_us,median_us,p99_us,node_tests,triangle_tests,upper");
+  csv.line("query,relative_error,separation,min_us,median_us,p99_us,node_tests,primitive_tests,upper");
   for (const Case& c : cases) {
     const Summary us = summarize(c.samples_us);
     const QueryStats& stats = c.answer.distance.stats;
     csv.line("{},{},{},{:.4f},{:.4f},{:.4f},{},{},{}", c.query.name, c.query.relative_error, c.separation, us.min,
-             us.median, us.p99, stats.node_tests, stats.triangle_tests,
+             us.median, us.p99, stats.node_tests, stats.primitive_tests,
              c.query.is_collision() ? "" : fmt::format("{}", c.answer.distance.upper));
   }
 }
@@ -176,18 +176,18 @@ void report_mean_over_poses(const Options& options, const std::vector<std::vecto
   Table csv(options, "thesis_queries_poses.csv");
   csv.line(
       "query,relative_error,separation,poses,mean_us,fastest_pose_us,slowest_pose_us,mean_node_tests,"
-      "mean_triangle_tests");
+      "mean_primitive_tests");
   for (std::size_t i = 0; i < poses.front().size(); ++i) {
-    std::vector<double> us, node_tests, triangle_tests;
+    std::vector<double> us, node_tests, primitive_tests;
     for (const std::vector<Case>& cases : poses) {
       us.push_back(summarize(cases[i].samples_us).min);  // too few rounds for a median to shed disturbances
       node_tests.push_back(static_cast<double>(cases[i].answer.distance.stats.node_tests));
-      triangle_tests.push_back(static_cast<double>(cases[i].answer.distance.stats.triangle_tests));
+      primitive_tests.push_back(static_cast<double>(cases[i].answer.distance.stats.primitive_tests));
     }
     const Case& c = poses.front()[i];
     const Summary spread = summarize(us);
     csv.line("{},{},{},{},{:.4f},{:.4f},{:.4f},{:.1f},{:.1f}", c.query.name, c.query.relative_error, c.separation,
-             poses.size(), mean(us), spread.min, spread.max, mean(node_tests), mean(triangle_tests));
+             poses.size(), mean(us), spread.min, spread.max, mean(node_tests), mean(primitive_tests));
   }
 }
 

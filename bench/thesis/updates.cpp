@@ -95,7 +95,7 @@ struct Variant {
   std::vector<double> total_us, move_us;  // per moved vertex; the latter in move_vertices() alone
   double refits = 0, absorbed = 0;        // per moved vertex
   double query_us = 0;                    // a mean over the poses, taken once
-  double query_node_tests = 0, query_triangle_tests = 0;
+  double query_node_tests = 0, query_primitive_tests = 0;
 
   std::string name() const {
     return fmt::format("{} motion, {}, extra radius {}, {} dents per commit", motion->name, mode_name, extra_radius,
@@ -173,7 +173,7 @@ void hover(Checker& checker, Variant& v, const AnyModel& sheet, const AnyModel& 
   v.query_us = watch.us() / hovering_poses;
   for (std::uint32_t i = 0; i < hovering_poses; ++i) {
     v.query_node_tests += static_cast<double>(results[i].stats.node_tests) / hovering_poses;
-    v.query_triangle_tests += static_cast<double>(results[i].stats.triangle_tests) / hovering_poses;
+    v.query_primitive_tests += static_cast<double>(results[i].stats.primitive_tests) / hovering_poses;
     if (v.motion->distances.size() == i) v.motion->distances.push_back(results[i].upper);
     checker.check(std::abs(results[i].upper - v.motion->distances[i]) <= tolerance, "{}: distance {} instead of {}",
                   v.name(), results[i].upper, v.motion->distances[i]);
@@ -235,7 +235,7 @@ void report(const std::vector<Variant>& variants, Table& csv) {
     const Summary us = summarize(v.total_us);
     csv.line("{},{},{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{:.1f},{:.1f},{:.1f}", v.motion->name,
              v.mode_name, v.extra_radius, v.batch_dents, v.motion->moved_vertices, us.min, us.median, us.max,
-             median(v.move_us), v.refits, v.absorbed, v.query_node_tests, v.query_triangle_tests, v.query_us);
+             median(v.move_us), v.refits, v.absorbed, v.query_node_tests, v.query_primitive_tests, v.query_us);
   }
 }
 
@@ -268,7 +268,7 @@ void run(const Options& options, Checker& checker) {
   Table csv(options, "thesis_updates.csv");
   csv.line(
       "motion,mode,extra_radius,batch_dents,moved_vertices,min_us,median_us,max_us,move_us,refits,absorbed,"
-      "query_node_tests,query_triangle_tests,query_us");
+      "query_node_tests,query_primitive_tests,query_us");
   report(variants, csv);
   report(fast_variants, csv);
   move_whole_sheet(checker, motions.front().dented, 7 * rounds, csv);

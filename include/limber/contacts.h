@@ -62,7 +62,7 @@ struct PairOptions {
   /// Whether to search on all threads of the calling oneTBB arena: for large models with many pairs. The pairs and
   /// their order stay the same, and the calling thread visits them, but after all have been found and stored. Several
   /// threads call the filter. A query with a budget stays on one thread.
-  bool is_parallel = false;
+  bool parallel = false;
 };
 
 /// How many pairs were found.
@@ -216,7 +216,7 @@ LIMBER_API PairCount self_closest_pairs(const Model& model, std::span<Contact> c
 ///   const limber::NeighborRings rings(cloth.mesh(), 2);
 ///   limber::self_contacts(cloth, 0.002, found, {.filter = rings});
 ///
-/// Two triangles are near if a vertex of one and a vertex of the other are joined by a path of at most `edges` edges of
+/// Two triangles are near if a vertex of one and a vertex of the other are joined by a path of at most `max_edges` edges of
 /// triangles; with 0 edges, if they share a vertex. Vertices are told apart by their ids. Near triangles do not count,
 /// not even where they intersect.
 ///
@@ -228,7 +228,7 @@ class NeighborRings {
   /// Throws   std::invalid_argument if the mesh has been moved from; std::bad_alloc.
   /// Cost     Time in proportion to the pairs of near triangles, 4 bytes for each of them: about 80 bytes a triangle of
   ///          a regular mesh with 1 edge, 150 with 2, 250 with 3. O(n^2) where a vertex belongs to many triangles.
-  LIMBER_API NeighborRings(const Mesh& mesh, std::uint32_t edges);
+  LIMBER_API NeighborRings(const Mesh& mesh, std::uint32_t max_edges);
 
   /// Whether two triangles are near. Every triangle is near itself.
   ///

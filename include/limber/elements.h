@@ -81,14 +81,14 @@ struct ElementPairCount {
   std::size_t vertex_face = 0, edge_edge = 0;  ///< all that were found, whether or not they fitted
   bool is_complete = true;                     ///< false if a visitor or the budget has ended the query
   StoppedBy stopped_by = StoppedBy::nothing;   ///< which limit of the budget, if it was that
-  QueryStats stats{};                          ///< `triangle_tests` counts the pairs of elements that were compared
+  QueryStats stats{};                          ///< `primitive_tests` counts the pairs of elements that were compared
 };
 
 struct ElementPairOptions {
   QueryBudget budget = {};  ///< when the query has to end; the default has no limits
   /// Whether to search on all threads, as in PairOptions. All pairs of vertices and faces are then visited before the
   /// first pair of edges.
-  bool is_parallel = false;
+  bool parallel = false;
 };
 
 /// The elements of two models that are at most `margin` apart: vertices of a and faces of b, vertices of b and faces of

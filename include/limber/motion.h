@@ -155,7 +155,7 @@ struct ImpactOptions {
   /// Whether models that cross at the start may go on: only elements that touch count, a vertex and a face or two
   /// edges, as solvers with a constraint for each take them. Otherwise triangles that intersect at the start are an
   /// `initial_contact`.
-  bool ignores_crossings = false;
+  bool ignore_crossings = false;
   /// Whether any contact up to max_time will do, not the first one: for "is it free until then?".
   bool any_contact = false;
   /// All pairs of elements count without one. It has no say in what crosses at the start.
@@ -179,7 +179,7 @@ struct [[nodiscard]] ImpactResult {
   /// As in ElementState.
   Vec3 normal;
   StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the status is `undecided`
-  QueryStats stats{};                         ///< `triangle_tests` counts the pairs of elements that may touch
+  QueryStats stats{};                         ///< `primitive_tests` counts the pairs of elements that may touch
 };
 
 /// The first time at which two moving models touch.
@@ -237,7 +237,7 @@ using ImpactVisitor = FunctionRef<bool(const Impact&)>;
 /// All pairs of elements that touch up to max_time, each once, with the first time at which they do. Crossings do not
 /// count. They come in no particular order, which depends on the models and their history alone.
 ///
-/// Promise  As time_of_impact(). `ignores_crossings` and `any_contact` make no difference.
+/// Promise  As time_of_impact(). `ignore_crossings` and `any_contact` make no difference.
 /// Throws   As time_of_impact(); whatever the visitor throws.
 /// Cost     As time_of_impact(), plus 1 to 50 us for each contact, most where elements stay in one plane.
 /// Threads  Reentrant.
@@ -253,7 +253,7 @@ using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
 /// compare elements themselves: all that do, and few others. Bounds follow each vertex on its own way, so one that goes
 /// far adds no pairs of others.
 ///
-/// Promise  None that does is missed. time_error, `ignores_crossings` and `any_contact` make no difference.
+/// Promise  None that does is missed. time_error, `ignore_crossings` and `any_contact` make no difference.
 /// Throws   As visit_impacts().
 /// Cost     As time_of_impact() without comparing elements. Allocates nothing.
 /// Threads  Reentrant.
@@ -263,15 +263,6 @@ LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, Impa
                                                   const ImpactOptions& options = {});
 
 // --- steps for solvers ---
-
-/// How far a solver may go along a motion: a share of the way to the first contact, or all of it if nothing touches.
-/// The share is not a part of any answer: those have bounds of their own.
-///
-/// Pre      `found` is the answer for that max_time. `share` is below 1, and by more than the rounding of the positions
-///          that the solver computes: then nothing touches after the step.
-[[nodiscard]] inline double conservative_step(const ImpactResult& found, double max_time, double share = 0.9) {
-  return found.status == ImpactStatus::clear ? max_time : share * found.lower;
-}
 
 /// Limits how far each vertex may go, on whatever path, so that no two elements of a model that share no vertex come
 /// nearer than a separation.

@@ -87,7 +87,7 @@ struct [[nodiscard]] PathImpact {
   double time = 0;
   std::optional<Witness> witness;  ///< the closest points at `time`, if they touch; any so near if the budget is spent
   Vec3 normal;                     ///< that of contact_of() for the witness (gradients.h), from a to b; 0 without one
-  std::uint64_t distances = 0;     ///< that were asked for
+  std::uint64_t distance_count = 0;  ///< that were asked for
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 };
@@ -114,8 +114,8 @@ struct [[nodiscard]] PathDistance {
   double lower = 0;                                        ///< no nearer than this at any time up to max_time
   double upper = std::numeric_limits<double>::infinity();  ///< so far apart at `time`
   double time = 0;
-  std::optional<Witness> witness;  ///< the closest points at `time`
-  std::uint64_t distances = 0;     ///< that were asked for
+  std::optional<Witness> witness;    ///< the closest points at `time`
+  std::uint64_t distance_count = 0;  ///< that were asked for
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 };
@@ -129,9 +129,9 @@ struct [[nodiscard]] PathDistance {
 ///          to the inverse root of the error, where the distance is least in passing.
 /// Threads  Reentrant.
 /// Source   [Piyavskii1972].
-LIMBER_API PathDistance least_distance(const Body& a, const RigidMotion& motion_a, const Body& b,
-                                       const RigidMotion& motion_b, const PathOptions& options = {});
-LIMBER_API PathDistance least_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
-                                       const PathOptions& options = {});
+LIMBER_API PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b,
+                                     const RigidMotion& motion_b, const PathOptions& options = {});
+LIMBER_API PathDistance min_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
+                                     const PathOptions& options = {});
 
 }  // namespace limber

@@ -34,7 +34,7 @@ struct DeepestVerticesOptions {
 struct [[nodiscard]] DeepestVertices {
   std::optional<DeepestVertex> of_a;  ///< the vertex of a that is deepest in b; none if b contains no vertex of a
   std::optional<DeepestVertex> of_b;  ///< the vertex of b that is deepest in a
-  double upper = 0;  ///< no vertex of either is deeper in the other: the larger depth, unless the budget was spent
+  double max_depth = 0;  ///< no vertex of either is deeper in the other: the larger depth, unless the budget was spent
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 };
@@ -51,8 +51,8 @@ struct [[nodiscard]] DeepestVertices {
 ///          spent, the vertices are the deepest found so far.
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/penetration.md.
-LIMBER_API DeepestVertices deepest_vertices(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                                            const Transform& pose_b, const DeepestVerticesOptions& options = {});
+LIMBER_API DeepestVertices deepest_vertices(const PlacedSurface& a, const PlacedSurface& b,
+                                            const DeepestVerticesOptions& options = {});
 
 struct SeparatingTranslationOptions {
   QueryBudget budget = {};  ///< when the query has to end; the default has no limits
@@ -81,12 +81,11 @@ struct [[nodiscard]] SeparatingTranslation {
 /// Budget   A step expands a pair of nodes, or compares two leaves. If the budget is spent, the interval still holds.
 /// Threads  As deepest_vertices().
 /// Source   docs/algorithms/penetration.md.
-LIMBER_API SeparatingTranslation separating_translation(const ClosedSurface& a, const Transform& pose_a,
-                                                        const ClosedSurface& b, const Transform& pose_b,
+LIMBER_API SeparatingTranslation separating_translation(const PlacedSurface& a, const PlacedSurface& b,
                                                         const Vec3& direction,
                                                         const SeparatingTranslationOptions& options = {});
 
-struct PenetrationOptions {
+struct SolidDistanceOptions {
   /// The search for a shorter translation ends when upper <= (1 + relative_error) lower; finite and >= 0.
   double relative_error = 0.01;
   /// Steps of distance(), and all others together, may each be so many: of deepest_vertices() and
@@ -124,7 +123,7 @@ struct [[nodiscard]] SolidDistance {
 ///          surface is about equally far from a point.
 /// Threads  As deepest_vertices().
 /// Source   docs/algorithms/penetration.md.
-LIMBER_API SolidDistance signed_distance(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                                         const Transform& pose_b, const PenetrationOptions& options = {});
+LIMBER_API SolidDistance signed_distance(const PlacedSurface& a, const PlacedSurface& b,
+                                         const SolidDistanceOptions& options = {});
 
 }  // namespace limber

@@ -28,8 +28,8 @@ struct SurfacePoint {
   double distance = 0;  ///< from the point that was asked for
   Vec3 position;
   TriangleId triangle = no_id;
-  std::array<double, 3> barycentric{};  ///< weights of the triangle's corners: >= 0, together 1 up to rounding
-  Feature feature;                      ///< what the position lies on: corners with a weight of 0 have no part in it
+  Vec3 weights;     ///< barycentric, of the triangle's corners: >= 0, together 1 up to rounding
+  Feature feature;  ///< what the position lies on: corners with a weight of 0 have no part in it
 };
 
 struct [[nodiscard]] PointResult {
@@ -58,8 +58,8 @@ LIMBER_API PointResult closest_point(const Placed& model, const Vec3& point, con
 /// Throws   std::invalid_argument as closest_point(), or if there are not as many results as points; no result has been
 ///          written then.
 /// Cost     On the threads of the calling oneTBB arena.
-LIMBER_API void closest_points(const Placed& model, std::span<const Vec3> points, std::span<PointResult> results,
-                               const PointOptions& options = {});
+LIMBER_API void closest_point_many(const Placed& model, std::span<const Vec3> points, std::span<PointResult> results,
+                                   const PointOptions& options = {});
 
 // --- inside and outside ---
 
@@ -90,13 +90,9 @@ class ClosedSurface {
   static Result<ClosedSurface> create(const Model&&) = delete;  // would point to a temporary
 
   const Model& model() const { return *model_; }
-  /// The model, placed by world_from_model.
-  ///
-  /// Throws   std::invalid_argument if the model has been reset().
-  [[nodiscard]] LIMBER_API Placed placed(const Transform& world_from_model) const;
   /// The model as a solid, for queries of two bodies: what its surface encloses collides with it.
   ///
-  /// Throws   As placed().
+  /// Throws   std::invalid_argument if the model has been reset().
   [[nodiscard]] Placed solid(const Transform& world_from_model = {}) const { return {Body(*this), world_from_model}; }
 
   /// Whether the surface, placed by world_from_model, encloses a point of the world, or the point lies on it.
@@ -123,17 +119,29 @@ class ClosedSurface {
   ///
   /// Throws   As above, or if there are not as many results as points; no result has been written then.
   /// Cost     On the threads of the calling oneTBB arena.
-  LIMBER_API void signed_distances(std::span<const Vec3> points, std::span<SignedDistance> results,
-                                   const Transform& world_from_model = {}, const PointOptions& options = {}) const;
+  LIMBER_API void signed_distance_many(std::span<const Vec3> points, std::span<SignedDistance> results,
+                                       const Transform& world_from_model = {}, const PointOptions& options = {}) const;
 
  private:
+  friend struct Access;  // for the library's own use
+  friend class Body;
   explicit ClosedSurface(const Model& model);
+  Placed placed(const Transform& world_from_model) const;
 
   const Model* model_;
   std::span<const Corners> triangles_;
 };
 
-/// The generalised winding number of any placed triangles around a point of the world: the sum of the solid angles
+/// A closed surface and where it stands, for queries of two bodies. Its model must outlive it.
+struct PlacedSurface {
+  PlacedSurface(const ClosedSurface& closed, const Transform& world_from_model = {})
+      : surface(closed), pose(world_from_model) {}
+
+  ClosedSurface surface;
+  Transform pose;  ///< world_from_model
+};
+
+/// The generalized winding number of any placed triangles around a point of the world: the sum of the solid angles
 /// under which it sees them, as a part of the whole sphere, positive where it sees their back. Around a point off a
 /// closed surface it is a whole number. Around one next to an open surface, a soup or a surface with holes it tells how
 /// much of its surroundings they cover, and 0.5 is the usual place to part inside from outside.
@@ -145,6 +153,6 @@ class ClosedSurface {
 /// Cost     O(n), some 30 ns a triangle, on the threads of the calling oneTBB arena: every triangle counts.
 /// Threads  As closest_point().
 /// Source   [Jacobson2013] for the number, [VanOosteromStrackee1983] for the solid angle of a triangle.
-[[nodiscard]] LIMBER_API double winding_number(const Placed& model, const Vec3& point);
+[[nodiscard]] LIMBER_API double generalized_winding_number(const Placed& model, const Vec3& point);
 
 }  // namespace limber

@@ -87,27 +87,27 @@ struct CandidateOptions {
 };
 
 /// The two objects of a scene that are closest to each other.
-struct [[nodiscard]] ClosestObjects {
+struct [[nodiscard]] ClosestObjectsResult {
   ObjectPair objects;     ///< no_id exactly when the result has no witness
   DistanceResult result;  ///< of a and b, in this order
 };
 
 /// Two objects of a scene that are within a distance.
-struct [[nodiscard]] CloseObjects {
+struct [[nodiscard]] AnyWithinResult {
   ObjectPair objects;    ///< no_id unless the answer is yes
   CollideResult result;  ///< whether there are two such objects; the witness is of a and b, in this order
 };
 
 /// The object of a scene that is closest to a placed model.
-struct [[nodiscard]] ClosestObject {
+struct [[nodiscard]] ClosestObjectResult {
   ObjectId object = no_id;  ///< no_id exactly when the result has no witness
   DistanceResult result;    ///< of the placed model and the object, in this order
 };
 
 /// The object of a scene that a moving body touches first.
-struct [[nodiscard]] ObjectImpact {
+struct [[nodiscard]] ObjectImpactResult {
   ObjectId object = no_id;  ///< no_id exactly when the result has no witness
-  PathImpact result;        ///< of the body and the object, in this order; `distances` and `stats` count all objects
+  PathImpact result;  ///< of the body and the object, in this order; `distance_count` and `stats` count all objects
 };
 
 /// The contacts of many pairs of objects.
@@ -316,7 +316,7 @@ class Scene {
   /// Throws   As candidate_pairs(), and distance() for its options.
   /// Cost     Distances of the few pairs whose bounds are closer than the closest pair, on the threads of the calling
   ///          oneTBB arena, and that of candidate_pairs(). Allocates some kB.
-  LIMBER_API ClosestObjects closest_objects(const ClosestObjectsOptions& options = {}) const;
+  LIMBER_API ClosestObjectsResult closest_objects(const ClosestObjectsOptions& options = {}) const;
 
   /// Whether any two objects that the filter lets through are at most `max_distance` apart; with 0, whether any two
   /// meet. Stops at the first such pair.
@@ -327,7 +327,7 @@ class Scene {
   /// Throws   As candidate_pairs(), and unless max_distance is finite and >= 0.
   /// Cost     That of candidate_pairs() and of asking them, on the threads of the calling oneTBB arena. Allocates some
   ///          kB.
-  LIMBER_API CloseObjects any_within(double max_distance, const AnyWithinOptions& options = {}) const;
+  LIMBER_API AnyWithinResult any_within(double max_distance, const AnyWithinOptions& options = {}) const;
 
   // --- many configurations ---
   //
@@ -346,11 +346,11 @@ class Scene {
   ///          closer than the closest pair; configurations are shared by the threads of the calling oneTBB arena.
   ///          First a filter is called once for every two objects. Allocates some copies of the scene.
   LIMBER_API void closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
-                                       std::span<ClosestObjects> results,
+                                       std::span<ClosestObjectsResult> results,
                                        const ClosestObjectsOptions& options = {}) const;
   /// Asks any_within() of many configurations. All else as above; those that are left when time is up are unknown.
   LIMBER_API void any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
-                                  std::span<CloseObjects> results, const AnyWithinOptions& options = {}) const;
+                                  std::span<AnyWithinResult> results, const AnyWithinOptions& options = {}) const;
 
   // --- one model next to all objects ---
   //
@@ -368,7 +368,7 @@ class Scene {
   /// closest_objects().
   ///
   /// Throws   Also unless the model is committed and its pose is rigid.
-  LIMBER_API ClosestObject closest_object(const Placed& model, const ClosestObjectOptions& options = {}) const;
+  LIMBER_API ClosestObjectResult closest_object(const Placed& model, const ClosestObjectOptions& options = {}) const;
 
   /// The object that a body touches first on its way, of those that the filter lets through; all objects stand where
   /// they were at the last commit. Other engines call this a sweep or a shape cast.
@@ -380,10 +380,10 @@ class Scene {
   /// Cost     For each piece of the way about as long as the body, that of visit_candidates(); that of time_of_impact()
   ///          for each object near the way up to the first impact. On the calling thread. Allocates a bit for each id,
   ///          and 16 bytes for each object near a piece.
-  LIMBER_API ObjectImpact time_of_impact(const Body& body, const RigidMotion& motion,
-                                         const ObjectImpactOptions& options = {}) const;
-  LIMBER_API ObjectImpact time_of_impact(const Body& body, const RigidPath& path,
-                                         const ObjectImpactOptions& options = {}) const;
+  LIMBER_API ObjectImpactResult time_of_impact(const Body& body, const RigidMotion& motion,
+                                               const ObjectImpactOptions& options = {}) const;
+  LIMBER_API ObjectImpactResult time_of_impact(const Body& body, const RigidPath& path,
+                                               const ObjectImpactOptions& options = {}) const;
 
   /// For the library's own use.
   struct Impl;

@@ -34,7 +34,7 @@ class [[nodiscard]] Shape {
   /// A ball around the origin.
   LIMBER_API static Shape sphere(double radius);
   /// All points at most `radius` from a segment.
-  LIMBER_API static Shape capsule(const Vec3& from, const Vec3& to, double radius);
+  LIMBER_API static Shape capsule(const Vec3& start, const Vec3& end, double radius);
   /// A solid box around the origin. With a radius, all points that are at most that far from it: a larger box with
   /// round edges.
   LIMBER_API static Shape box(const Vec3& half_extents, double radius = 0);
@@ -44,14 +44,14 @@ class [[nodiscard]] Shape {
   /// deviation().
   ///
   /// Throws   Also unless the segment is longer than 0, radius and max_error are above 0, and 65 536 sides suffice.
-  LIMBER_API static Shape cylinder(const Vec3& from, const Vec3& to, double radius, double max_error);
+  LIMBER_API static Shape cylinder(const Vec3& start, const Vec3& end, double radius, double max_error);
   /// All points p with dot(normal, p) <= offset, where the normal is first scaled to length 1. It is cut to a solid
-  /// cube, whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `extent`.
-  /// Rounding moves the plane by about 2^-51 of the extent and the offset, so these should not be much larger than the
+  /// cube, whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `half_extent`.
+  /// Rounding moves the plane by about 2^-51 of half_extent and offset, so these should not be much larger than the
   /// scene. Default errors of limber/path.h are parts of the size of the bodies: give an error there.
   ///
-  /// Throws   Also unless the normal is not 0, and the extent is above 0.
-  LIMBER_API static Shape half_space(const Vec3& normal, double offset, double extent);
+  /// Throws   Also unless the normal is not 0, and half_extent is above 0.
+  LIMBER_API static Shape half_space(const Vec3& normal, double offset, double half_extent);
 
   /// The convex hull of some points, a solid; or a flat polygon, a segment or a point, where the points leave no more.
   /// With a radius, all points that are at most that far from it.

@@ -45,22 +45,15 @@ struct [[nodiscard]] SolidRelationResult {
 ///          one is inside the other, and more where many triangles cross at improper contacts. Allocates.
 /// Threads  Reentrant; any number of calls may share models. Runs on the calling thread.
 /// Source   docs/algorithms/solids.md.
-LIMBER_API SolidRelationResult solid_relation(const ClosedSurface& a, const Transform& world_from_a,
-                                              const ClosedSurface& b, const Transform& world_from_b);
-
-/// A closed surface and where it stands. Keeps a pointer: the surface must outlive it.
-struct PlacedSurface {
-  const ClosedSurface* surface = nullptr;  ///< may be null where no pair names it
-  Transform world_from_model;
-};
+LIMBER_API SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& b);
 
 /// Answers for many pairs, which name surfaces by their index: results[i] is that of pairs[i]. If surfaces[id] is that
-/// of object `id` of a Scene, the pairs may be those of Scene::candidate_pairs().
+/// of object `id` of a Scene, the pairs may be those of Scene::candidate_pairs(). Those that no pair names may be empty.
 ///
 /// Throws   As solid_relation(), or if there are not as many results as pairs, or a pair names no surface; no result
 ///          has been written then, unless memory is missing.
 /// Cost     On the threads of the calling oneTBB arena.
-LIMBER_API void solid_relations(std::span<const PlacedSurface> surfaces, std::span<const ObjectPair> pairs,
-                                std::span<SolidRelationResult> results);
+LIMBER_API void solid_relation_many(std::span<const std::optional<PlacedSurface>> surfaces,
+                                    std::span<const ObjectPair> pairs, std::span<SolidRelationResult> results);
 
 }  // namespace limber

@@ -127,13 +127,13 @@ nb::object impact_dtype() {
 nb::object path_impact_dtype() {
   const PathImpactRecord r{};
   return dtype_of(r, {"status", "time", "point_a", "point_b", "normal", "triangle_a", "triangle_b", "distances"},
-                  r.status, r.time, r.point_a, r.point_b, r.normal, r.triangle_a, r.triangle_b, r.distances);
+                  r.status, r.time, r.point_a, r.point_b, r.normal, r.triangle_a, r.triangle_b, r.distance_count);
 }
 
 nb::object path_distance_dtype() {
   const PathDistanceRecord r{};
   return dtype_of(r, {"lower", "upper", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distances"}, r.lower,
-                  r.upper, r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distances);
+                  r.upper, r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distance_count);
 }
 
 nb::object solid_relation_dtype() {
@@ -186,12 +186,12 @@ CloseObjectsRecord record_of(const CloseObjects& c) {
 
 PathImpactRecord record_of(const PathImpact& r) {
   const Witness w = witness_or_nowhere(r.witness);
-  return {r.time, w.point_a, w.point_b, r.normal, r.distances, w.triangle_a, w.triangle_b, r.status};
+  return {r.time, w.point_a, w.point_b, r.normal, r.distance_count, w.triangle_a, w.triangle_b, r.status};
 }
 
 PathDistanceRecord record_of(const PathDistance& r) {
   const Witness w = witness_or_nowhere(r.witness);
-  return {r.lower, r.upper, r.time, w.point_a, w.point_b, r.distances, w.triangle_a, w.triangle_b};
+  return {r.lower, r.upper, r.time, w.point_a, w.point_b, r.distance_count, w.triangle_a, w.triangle_b};
 }
 
 SurfacePointRecord record_of(const PointResult& r) { return surface_point_record(r.closest); }

@@ -26,21 +26,18 @@ class SurfacePair {
   SurfacePair(ClosedSurfaceObject& a, ClosedSurfaceObject& b, nb::handle pose_a, nb::handle pose_b)
       : reading_a_(a.reading_model()),
         reading_b_(b.reading_model()),
-        a_(a.surface()),
-        b_(b.surface()),
-        pose_a_(pose_from(pose_a, "pose_a")),
-        pose_b_(pose_from(pose_b, "pose_b")) {}
+        a_(a.surface(), pose_from(pose_a, "pose_a")),
+        b_(b.surface(), pose_from(pose_b, "pose_b")) {}
 
-  /// Calls query(a, pose_a, b, pose_b, rest...) without the GIL.
+  /// Calls query(a, b, rest...), both placed, without the GIL.
   template <typename Query, typename... Rest>
   auto ask(const Query& query, const Rest&... rest) const {
-    return without_gil([&] { return query(a_, pose_a_, b_, pose_b_, rest...); });
+    return without_gil([&] { return query(a_, b_, rest...); });
   }
 
  private:
   Reading reading_a_, reading_b_;
-  const ClosedSurface &a_, &b_;
-  Transform pose_a_, pose_b_;
+  PlacedSurface a_, b_;
 };
 
 SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
@@ -58,17 +55,17 @@ RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const
     throw nb::value_error("poses: expected one for all surfaces, or as many as surfaces");
   }
   std::vector<Reading> guards;
-  std::vector<PlacedSurface> placed(owners.size());
+  std::vector<std::optional<PlacedSurface>> placed(owners.size());
   for (std::size_t i = 0; i < owners.size(); ++i) {
     if (owners[i].is_none()) continue;
     auto& surface = nb::cast<ClosedSurfaceObject&>(owners[i]);
     guards.push_back(surface.reading_model());
-    placed[i] = {&surface.surface(), standing[i]};
+    placed[i] = PlacedSurface(surface.surface(), standing[i]);
   }
   std::vector<ObjectPair> asked;
   for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
   std::vector<SolidRelationResult> results(asked.size());
-  without_gil([&] { solid_relations(placed, asked, results); });
+  without_gil([&] { solid_relation_many(placed, asked, results); });
   return recorded(results, dtypes().solid_relation);
 }
 
@@ -86,10 +83,8 @@ SeparatingTranslation separating_of(ClosedSurfaceObject& a, ClosedSurfaceObject&
 
 SolidDistance signed_distance_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                                  const PoseLike& pose_b, double relative_error, const BudgetObject* budget) {
-  const PenetrationOptions options{relative_error, budget_of(budget)};
-  return SurfacePair(a, b, pose_a, pose_b).ask([&](const auto&... bodies) {
-    return signed_distance(bodies..., options);
-  });
+  const SolidDistanceOptions options{relative_error, budget_of(budget)};
+  return SurfacePair(a, b, pose_a, pose_b).ask([&](const auto&... bodies) { return signed_distance(a, b, options); });
 }
 
 void bind_relations(nb::module_& m) {
@@ -106,7 +101,7 @@ void bind_relations(nb::module_& m) {
       .field("stats", &SolidRelationResult::stats, docs::QueryStats);
   m.def("solid_relation", &relation_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         docs::solid_relation);
-  m.def("solid_relations", &relations_of, "surfaces"_a, "pairs"_a, "poses"_a = nb::none(),
+  m.def("solid_relation_many", &relations_of, "surfaces"_a, "pairs"_a, "poses"_a = nb::none(),
         (std::string(R"(solid_relation() of many pairs, on all threads.
 
 Pairs    name surfaces by their place in the list, (n, 2). If surfaces[id] is that of object `id` of a Scene, and
@@ -128,7 +123,7 @@ void bind_penetration(nb::module_& m) {
   ValueClass<DeepestVertices>(m, "DeepestVertices", "What deepest_vertices() has found.")
       .field("of_a", &DeepestVertices::of_a, docs::DeepestVertices_of_a)
       .field("of_b", &DeepestVertices::of_b, docs::DeepestVertices_of_b)
-      .field("upper", &DeepestVertices::upper, docs::DeepestVertices_upper)
+      .field("max_depth", &DeepestVertices::max_depth, docs::DeepestVertices_max_depth)
       .field("stopped_by", &DeepestVertices::stopped_by, "Which limit of its budget has ended it.")
       .field("stats", &DeepestVertices::stats, docs::QueryStats);
   ValueClass<SeparatingTranslation>(m, "SeparatingTranslation", docs::SeparatingTranslation)
@@ -153,9 +148,9 @@ void bind_penetration(nb::module_& m) {
   m.def("separating_translation", &separating_of, "a"_a, "b"_a, "direction"_a, "pose_a"_a = nb::none(),
         "pose_b"_a = nb::none(), nb::kw_only(), "budget"_a = nb::none(), docs::separating_translation);
   m.def("signed_distance", &signed_distance_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "relative_error"_a = PenetrationOptions{}.relative_error, "budget"_a = nb::none(),
-        (std::string(docs::signed_distance) + "\n\nrelative_error: " + docs::PenetrationOptions_relative_error +
-         "\n\nbudget: " + docs::PenetrationOptions_budget)
+        nb::kw_only(), "relative_error"_a = SolidDistanceOptions{}.relative_error, "budget"_a = nb::none(),
+        (std::string(docs::signed_distance) + "\n\nrelative_error: " + docs::SolidDistanceOptions_relative_error +
+         "\n\nbudget: " + docs::SolidDistanceOptions_budget)
             .c_str());
 }
 

@@ -19,6 +19,14 @@ struct Access {
     return object.impl();
   }
 
+  /// The model of a placed closed surface.
+  ///
+  /// Throws   std::invalid_argument if the model has been reset() since its surface was created.
+  template <typename Surface>
+  static auto placed(const Surface& placed) {
+    return placed.surface.placed(placed.pose);
+  }
+
   /// Bit mask of the elements that a triangle represents: bit k is the vertex of corner k, bit 3 + k is the edge from
   /// corner k to the next corner.
   ///

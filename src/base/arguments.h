@@ -43,16 +43,20 @@ inline void check_options(const PointOptions& options, const char* function) {
   check_limit(options.max_distance, function);
 }
 
+inline bool is_point(const Vec3& point) { return is_finite(point) && max_abs(point) <= max_coordinate; }
+inline constexpr const char* bad_point = "has a coordinate that is not finite, or above 2^200";
+
 inline void check_point(const Vec3& point, const char* function) {
-  LIMBER_REQUIRE(is_finite(point) && max_abs(point) <= max_coordinate,
-                 (std::string(function) + ": a coordinate of the point is not finite, or above 2^200").c_str());
+  LIMBER_REQUIRE(is_point(point), (std::string(function) + ": point " + bad_point).c_str());
 }
 
 /// Checks the arguments of a query about many points.
 inline void check_points(std::span<const Vec3> points, std::size_t result_count, const char* function) {
   LIMBER_REQUIRE(points.size() == result_count,
                  (std::string(function) + ": there must be as many results as points").c_str());
-  for (const Vec3& point : points) check_point(point, function);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    LIMBER_REQUIRE_ENTRY(is_point(points[i]), (std::string(function) + ": points").c_str(), i, bad_point);
+  }
 }
 
 inline void check_max_distance(double max_distance) {

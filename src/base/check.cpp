@@ -35,5 +35,9 @@ namespace base {
 
 void throw_invalid_argument(const char* text) { throw std::invalid_argument(text); }
 
+void throw_invalid_entry(const char* list, std::size_t index, const char* text) {
+  throw std::invalid_argument(std::string(list) + "[" + std::to_string(index) + "] " + text);
+}
+
 }  // namespace base
 }  // namespace limber

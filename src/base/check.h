@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+
 #include "limber/base.h"
 
 namespace limber::base {
@@ -18,6 +20,8 @@ inline void report_violation(const Result<void>& result, const char* file, int l
 
 /// Throws std::invalid_argument.
 [[noreturn]] void throw_invalid_argument(const char* text);
+/// Throws std::invalid_argument about an entry of a list: "list[index] text".
+[[noreturn]] void throw_invalid_entry(const char* list, std::size_t index, const char* text);
 
 }  // namespace limber::base
 
@@ -25,6 +29,10 @@ inline void report_violation(const Result<void>& result, const char* file, int l
 /// and argument.
 #define LIMBER_REQUIRE(condition, text) \
   ((condition) ? static_cast<void>(0) : ::limber::base::throw_invalid_argument(text))
+
+/// LIMBER_REQUIRE_ENTRY: the same of an entry of a list that the caller has given, such as "limber::function: points".
+#define LIMBER_REQUIRE_ENTRY(condition, list, index, text) \
+  ((condition) ? static_cast<void>(0) : ::limber::base::throw_invalid_entry(list, index, text))
 
 /// LIMBER_ASSERT: an O(1) precondition. LIMBER_VALIDATE: a whole-structure check, a Result<void>, after structural
 /// changes.

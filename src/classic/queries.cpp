@@ -99,7 +99,7 @@ class Descent {
     const Node& node_a = a_.node(a.node);
     const Node& node_b = b_.node(b.node);
     if (node_a.is_leaf() && node_b.is_leaf()) {
-      ++stats_.triangle_tests;
+      ++stats_.primitive_tests;
       query_.compare(node_a.triangle, node_b.triangle, a_.triangle(node_a.triangle), b_.triangle(node_b.triangle));
     } else if (node_b.is_leaf() || (!node_a.is_leaf() && a.sphere.radius >= b.sphere.radius)) {
       PlacedNode near = child(a_, node_a, 0), far = child(a_, node_a, 1);

@@ -74,7 +74,7 @@ class RingSearch {
 
 }  // namespace
 
-NeighborRings::NeighborRings(const Mesh& mesh, std::uint32_t edges) {
+NeighborRings::NeighborRings(const Mesh& mesh, std::uint32_t max_edges) {
   // Only a mesh after std::move has no triangles.
   LIMBER_REQUIRE(!mesh.triangles().empty(), "limber::NeighborRings: the mesh has been moved from");
   RingSearch search(mesh);
@@ -82,7 +82,7 @@ NeighborRings::NeighborRings(const Mesh& mesh, std::uint32_t edges) {
   begin_.push_back(0);
   std::vector<TriangleId> near;
   for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
-    search.append_larger_near(t, edges, near);
+    search.append_larger_near(t, max_edges, near);
     begin_.push_back(near.size());
   }
   near_.assign(near.begin(), near.end());  // a copy has no spare capacity

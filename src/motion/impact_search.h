@@ -149,7 +149,7 @@ class ImpactSearch {
     const bool excludes = collector_.wants_contacts_only();
     for (std::uint32_t i = 0; i < candidates.count; i += room) {
       const std::span<const simd::ElementCandidate> some(candidates.pairs + i, std::min(candidates.count - i, room));
-      stats.triangle_tests += some.size();  // pairs of elements count as pairs of triangles
+      stats.primitive_tests += some.size();  // pairs of elements count as pairs of triangles
       unsigned left = (1U << some.size()) - 1;
       if (excludes) left &= ~excluded(some, elements_of);
       for (; left != 0; left &= left - 1) {

@@ -176,10 +176,10 @@ ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options)
 }
 
 ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options) {
-  if (options.ignores_crossings) return first_touch(models, options);
+  if (options.ignore_crossings) return first_touch(models, options);
   const CollideResult at_start = collide_at_start(models, options);
   ImpactResult result = at_start.is_no() ? first_touch(models, options) : crossing(at_start);
-  result.stats.node_tests += at_start.stats.node_tests, result.stats.triangle_tests += at_start.stats.triangle_tests;
+  result.stats.node_tests += at_start.stats.node_tests, result.stats.primitive_tests += at_start.stats.primitive_tests;
   return result;
 }
 

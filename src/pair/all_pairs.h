@@ -215,7 +215,7 @@ class AllPairs {
     for (std::uint32_t i = 0; i < found.count && !collector_.is_done() && !search_.meter.cuts_short(steps_); ++i) {
       const std::uint32_t slot_a = found.pairs[i].slot_a, slot_b = found.pairs[i].slot_b;
       if (static_cast<double>(found.pairs[i].bound_sq) >= limit_sq) continue;
-      ++search_.stats.triangle_tests;
+      ++search_.stats.primitive_tests;
       collector_.compare(a_.at(slot_a), b_.at(slot_b));
     }
   }

@@ -325,7 +325,7 @@ class BestFirst {
     const std::optional<TrianglePair> likely = state_.seed.find(search_.placed, search_.stats);
     if (!likely) return;
     state_.descents.stop();
-    ++search_.stats.triangle_tests;
+    ++search_.stats.primitive_tests;
     const PlacedTriangle a = placed_triangle(search_.placed, Side::a, likely->a);
     const PlacedTriangle b = placed_triangle(search_.placed, Side::b, likely->b);
     if (const auto update = collector_.compare(a, b)) {

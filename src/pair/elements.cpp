@@ -64,7 +64,7 @@ ElementPairCount count_elements_in_parts(const ElementSearch<is_self>& search, V
 template <bool is_self>
 ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
                                 EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
-  if (options.is_parallel && base::has_several_threads() && !base::is_limited(options.budget)) {
+  if (options.parallel && base::has_several_threads() && !base::is_limited(options.budget)) {
     return count_elements_in_parts(search, visit_vertex_face, visit_edge_edge);
   }
   const pair::PlacedPair& placed = search.placed;

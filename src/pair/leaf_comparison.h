@@ -118,7 +118,7 @@ class LeafComparison {
     }
     nearest = found.pairs[--found.count];
     if (search_.pruning.prunes(a_, slot_a, b_, slot_b)) return true;
-    ++search_.stats.triangle_tests;
+    ++search_.stats.primitive_tests;
     if (const auto update = collector_.compare(a_.at(slot_a), b_.at(slot_b))) search_.pruning.update(*update);
     return !collector_.is_done() && !search_.meter.cuts_short(steps);
   }
@@ -152,7 +152,7 @@ class LeafComparison {
     kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), contact, nullptr, false, found);
     for (std::uint32_t i = 0; i < found.count; ++i) {
       const PlacedTriangle &a = a_.at(found.pairs[i].slot_a), &b = b_.at(found.pairs[i].slot_b);
-      ++search_.stats.triangle_tests;
+      ++search_.stats.primitive_tests;
       if (!geometry::intersects(a.corners, b.corners)) continue;
       const Vec3 shared = geometry::shared_point(a.corners, b.corners);
       if (const auto update = collector_.take(0, {shared, shared, a.id, b.id})) search_.pruning.update(*update);
@@ -171,7 +171,7 @@ class LeafComparison {
     kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), nearer, nullptr, false, found);
     if (found.count == 0) return;
     const std::uint32_t i = nearest_of(found);
-    ++search_.stats.triangle_tests;
+    ++search_.stats.primitive_tests;
     const auto update = collector_.compare(a_.at(found.pairs[i].slot_a), b_.at(found.pairs[i].slot_b));
     if (update) search_.pruning.update(*update);
   }

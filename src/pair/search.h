@@ -134,7 +134,7 @@ Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& c
 template <typename Collector>
 void compare(TriangleId a, TriangleId b, const PlacedPair& placed, Collector& collector, Pruning& pruning,
              QueryStats& stats) {
-  ++stats.triangle_tests;
+  ++stats.primitive_tests;
   const auto update = collector.compare(placed_triangle(placed, Side::a, a), placed_triangle(placed, Side::b, b));
   if (update) pruning.update(*update);
 }
@@ -269,7 +269,7 @@ std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& mak
     finish(collector);
   });
   for (const QueryStats& s : stats_of) {
-    stats.node_tests += s.node_tests, stats.triangle_tests += s.triangle_tests;
+    stats.node_tests += s.node_tests, stats.primitive_tests += s.primitive_tests;
   }
   return found;
 }

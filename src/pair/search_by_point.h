@@ -38,7 +38,7 @@ void search_by_point(const PlacedPair& placed, Side of_point, Collector& collect
   for (auto found = nearest.next(stats); !found.empty(); found = nearest.next(stats)) {
     for (const point::NearestTriangles::Candidate& candidate : found) {
       if (!nearest.matters(candidate)) continue;
-      ++stats.triangle_tests;
+      ++stats.primitive_tests;
       const PlacedTriangle triangle{candidate.id(), placed.triangle(side, candidate.vertices())};
       const auto update = side == Side::a ? collector.compare(triangle, point) : collector.compare(point, triangle);
       if (collector.is_done()) return;

@@ -40,7 +40,7 @@ class MovingDistance {
     wanted.cache = options_.cache, wanted.budget = options_.budget;
     wanted.budget.max_steps = std::numeric_limits<std::uint64_t>::max();
     const DistanceResult found = distance(Placed(a_, path_a_.pose(time)), Placed(b_, path_b_.pose(time)), wanted);
-    ++count, stats.node_tests += found.stats.node_tests, stats.triangle_tests += found.stats.triangle_tests;
+    ++count, stats.node_tests += found.stats.node_tests, stats.primitive_tests += found.stats.primitive_tests;
     stopped_by = found.stopped_by;
     return found;
   }
@@ -102,7 +102,7 @@ PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions&
   PathImpact result;
   const auto finish = [&](ImpactStatus status, double time) {
     result.status = status, result.time = time;
-    result.distances = moving.count, result.stats = moving.stats;
+    result.distance_count = moving.count, result.stats = moving.stats;
     if (status == ImpactStatus::undecided) result.stopped_by = moving.stopped_by;
     if (result.witness) result.normal = moving.normal_at(time, *result.witness);
     return result;
@@ -194,7 +194,7 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
     add(piece(p.begin, middle, p.at_begin, *there)), add(piece(middle, p.end, *there, p.at_end));
   }
   result.lower = pieces.empty() ? 0 : std::min(pieces.front().bound, result.upper);
-  result.distances = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
+  result.distance_count = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
   return result;
 }
 
@@ -276,16 +276,16 @@ PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body
   return path::ask<path::impact_on_whole_way>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
 }
 
-PathDistance least_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
-                            const PathOptions& options) {
+PathDistance min_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
+                          const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, "limber::least_distance");
+  return path::ask<path::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, "limber::min_distance");
 }
 
-PathDistance least_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
-                            const PathOptions& options) {
+PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
+                          const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::nearest>(a, motion_a, b, motion_b, options, "limber::least_distance");
+  return path::ask<path::nearest>(a, motion_a, b, motion_b, options, "limber::min_distance");
 }
 
 }  // namespace limber

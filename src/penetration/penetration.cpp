@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "base/access.h"
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
@@ -16,23 +17,22 @@
 
 namespace limber {
 
-DeepestVertices deepest_vertices(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                                 const Transform& pose_b, const DeepestVerticesOptions& options) {
+DeepestVertices deepest_vertices(const PlacedSurface& a, const PlacedSurface& b,
+                                 const DeepestVerticesOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  const point::PlacedModel placed_a(a.placed(pose_a)), placed_b(b.placed(pose_b));
+  const point::PlacedModel placed_a(Access::placed(a)), placed_b(Access::placed(b));
   penetration::Meter meter(options.budget);
   DeepestVertices result = penetration::find_deepest(placed_a, placed_b, meter);
   result.stats = meter.stats;
   return result;
 }
 
-SeparatingTranslation separating_translation(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                                             const Transform& pose_b, const Vec3& direction,
+SeparatingTranslation separating_translation(const PlacedSurface& a, const PlacedSurface& b, const Vec3& direction,
                                              const SeparatingTranslationOptions& options) {
   const base::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(is_finite(direction) && max_abs(direction) > 0,
                  "limber::separating_translation: the direction must be finite, and not 0");
-  const point::PlacedModel placed_a(a.placed(pose_a)), placed_b(b.placed(pose_b));
+  const point::PlacedModel placed_a(Access::placed(a)), placed_b(Access::placed(b));
   penetration::Meter meter(options.budget);
   penetration::Sweep sweep(placed_a, placed_b);
   SeparatingTranslation result;
@@ -43,12 +43,11 @@ SeparatingTranslation separating_translation(const ClosedSurface& a, const Trans
   return result;
 }
 
-SolidDistance signed_distance(const ClosedSurface& a, const Transform& pose_a, const ClosedSurface& b,
-                              const Transform& pose_b, const PenetrationOptions& options) {
+SolidDistance signed_distance(const PlacedSurface& a, const PlacedSurface& b, const SolidDistanceOptions& options) {
   const base::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(base::is_finite_and_not_negative(options.relative_error),
                  "limber::signed_distance: relative_error must be finite and at least 0");
-  const Placed placed_a = a.placed(pose_a), placed_b = b.placed(pose_b);
+  const Placed placed_a = Access::placed(a), placed_b = Access::placed(b);
   penetration::Meter meter(options.budget);
   SolidDistance result;
   const DistanceResult apart = distance(placed_a, placed_b, {.budget = options.budget});
@@ -67,7 +66,7 @@ SolidDistance signed_distance(const ClosedSurface& a, const Transform& pose_a, c
     result.stopped_by = meter.stopped_by() == StoppedBy::nothing ? apart.stopped_by : meter.stopped_by();
   }
   result.stats = meter.stats;
-  result.stats.node_tests += apart.stats.node_tests, result.stats.triangle_tests += apart.stats.triangle_tests;
+  result.stats.node_tests += apart.stats.node_tests, result.stats.primitive_tests += apart.stats.primitive_tests;
   return result;
 }
 

@@ -87,7 +87,7 @@ bool ShortestTranslation::accept(const Vec3& translation) {
   const Placed b = moved(b_, translation);
   if (size >= upper_ || !geometry::is_rigid(b.pose)) return false;
   const CollideResult met = collide(a_, b, {.budget = meter_.limits_of_time()});
-  meter_.stats.node_tests += met.stats.node_tests, meter_.stats.triangle_tests += met.stats.triangle_tests;
+  meter_.stats.node_tests += met.stats.node_tests, meter_.stats.primitive_tests += met.stats.primitive_tests;
   meter_.stop(met.stopped_by);
   if (!met.is_no()) return false;
   translation_ = translation, upper_ = size;
@@ -118,7 +118,7 @@ void ShortestTranslation::look_at_contacts() {
                                            return sample.count < most_contacts && !meter_.is_spent();
                                          },
                                          {.oriented_faces = OrientedFaces::both, .budget = meter_.limits_of_time()});
-  meter_.stats.node_tests += found.stats.node_tests, meter_.stats.triangle_tests += found.stats.triangle_tests;
+  meter_.stats.node_tests += found.stats.node_tests, meter_.stats.primitive_tests += found.stats.primitive_tests;
   meter_.stop(found.stopped_by);
   if (max_abs(way) > 0) directions_.push_back(unit(way));
   starts_ = std::move(sample.points);

@@ -145,7 +145,7 @@ void Sweep::compare_leaves(const Entry& entry, Meter& meter) {
       if (of_a.high.z - of_b.low.z + error_ <= best_.upper) continue;
       if (of_a.low.x - of_b.high.x > error_ || of_b.low.x - of_a.high.x > error_) continue;
       if (of_a.low.y - of_b.high.y > error_ || of_b.low.y - of_a.high.y > error_) continue;
-      ++meter.stats.triangle_tests;
+      ++meter.stats.primitive_tests;
       compare(leaf_a, i, triangles_a[i], leaf_b, k, triangles_b[k]);
     }
   }

@@ -66,10 +66,10 @@ SignedDistance ClosedSurface::signed_distance(const Vec3& point, const Transform
   return result;
 }
 
-void ClosedSurface::signed_distances(std::span<const Vec3> points, std::span<SignedDistance> results,
-                                     const Transform& world_from_model, const PointOptions& options) const {
+void ClosedSurface::signed_distance_many(std::span<const Vec3> points, std::span<SignedDistance> results,
+                                         const Transform& world_from_model, const PointOptions& options) const {
   const base::DefaultFloatEnvironment environment;
-  constexpr const char* name = "limber::ClosedSurface::signed_distances";
+  constexpr const char* name = "limber::ClosedSurface::signed_distance_many";
   base::check_options(options, name);
   base::check_points(points, results.size(), name);
   const point::PlacedModel model(placed(world_from_model));

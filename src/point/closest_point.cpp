@@ -107,7 +107,7 @@ std::optional<SurfacePoint> ClosestPointSearch::find(const Vec3& point, double m
   for (auto found = nearest_.next(stats); !found.empty(); found = nearest_.next(stats)) {
     for (const NearestTriangles::Candidate& candidate : found) {
       if (!nearest_.matters(candidate)) continue;
-      ++stats.triangle_tests;
+      ++stats.primitive_tests;
       compare(candidate, point, max_distance);
     }
     if (best_ && best_->distance <= enough) break;

@@ -22,12 +22,12 @@ PointResult closest_point(const Placed& model, const Vec3& point, const PointOpt
   return result;
 }
 
-void closest_points(const Placed& model, std::span<const Vec3> points, std::span<PointResult> results,
-                    const PointOptions& options) {
+void closest_point_many(const Placed& model, std::span<const Vec3> points, std::span<PointResult> results,
+                        const PointOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  base::check_options(options, "limber::closest_points");
-  base::check_points(points, results.size(), "limber::closest_points");
-  base::check_has_no_radius(model, "limber::closest_points");
+  base::check_options(options, "limber::closest_point_many");
+  base::check_points(points, results.size(), "limber::closest_point_many");
+  base::check_has_no_radius(model, "limber::closest_point_many");
   const point::PlacedModel placed(model);
   base::parallel_for_ranges(points.size(), point::points_per_task, [&](std::size_t begin, std::size_t end) {
     point::ClosestPointSearch search(placed);

@@ -33,7 +33,7 @@ bool visit_crossed(const PlacedModel& model, const AxisRay& ray, QueryStats& sta
     for (; crossed != 0; crossed &= crossed - 1) {
       const auto k = static_cast<std::uint32_t>(std::countr_zero(crossed));
       if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) continue;  // the slot is not in use
-      ++stats.triangle_tests;
+      ++stats.primitive_tests;
       if (!visit(model.triangle(leaf.vertices[k]))) return false;
     }
   }

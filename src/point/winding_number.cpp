@@ -14,10 +14,10 @@
 
 namespace limber {
 
-double winding_number(const Placed& model, const Vec3& point) {
+double generalized_winding_number(const Placed& model, const Vec3& point) {
   const base::DefaultFloatEnvironment environment;
-  base::check_point(point, "limber::winding_number");
-  base::check_has_no_radius(model, "limber::winding_number");
+  base::check_point(point, "limber::generalized_winding_number");
+  base::check_has_no_radius(model, "limber::generalized_winding_number");
   const point::PlacedModel placed(model);
   const std::span<const Corners> triangles = placed.mesh().triangles;
   // Sums of ranges that do not depend on threads, added up in their order.

@@ -24,7 +24,7 @@ class AnyWithinSearch {
   AnyWithinSearch(const Scene::Impl& scene, double max_distance, const QueryBudget& budget, std::size_t grain)
       : scene_(scene), max_distance_(max_distance), budget_(budget), grain_(grain) {}
 
-  CloseObjects run(std::optional<ObjectPairFilter> filter);
+  AnyWithinResult run(std::optional<ObjectPairFilter> filter);
 
  private:
   /// Asks the pairs that wait. Returns whether to go on.
@@ -34,7 +34,7 @@ class AnyWithinSearch {
   const double max_distance_;
   const QueryBudget budget_;
   const std::size_t grain_;
-  CloseObjects found_;
+  AnyWithinResult found_;
   StoppedBy stopped_by_ = StoppedBy::nothing;
   std::size_t in_round_ = 1;
   std::vector<ObjectPair> waiting_;
@@ -54,7 +54,7 @@ bool AnyWithinSearch::ask_waiting() {
   });
   QueryStats& stats = found_.result.stats;
   for (std::size_t i = 0; i < std::min(first_yes + 1, waiting_.size()); ++i) {
-    stats.node_tests += results_[i].stats.node_tests, stats.triangle_tests += results_[i].stats.triangle_tests;
+    stats.node_tests += results_[i].stats.node_tests, stats.primitive_tests += results_[i].stats.primitive_tests;
     if (!scene::ends_all(stopped_by_) && results_[i].stopped_by != StoppedBy::nothing) {
       stopped_by_ = results_[i].stopped_by;
     }
@@ -68,7 +68,7 @@ bool AnyWithinSearch::ask_waiting() {
   return !found_.result.is_yes() && !scene::ends_all(stopped_by_);
 }
 
-CloseObjects AnyWithinSearch::run(std::optional<ObjectPairFilter> filter) {
+AnyWithinResult AnyWithinSearch::run(std::optional<ObjectPairFilter> filter) {
   const auto visit = [&](std::uint32_t rank_a, std::uint32_t rank_b) {
     const ObjectPair pair = scene_.pair_of(rank_a, rank_b);
     if (filter && !(*filter)(pair.a, pair.b)) return true;
@@ -91,12 +91,12 @@ CloseObjects AnyWithinSearch::run(std::optional<ObjectPairFilter> filter) {
 
 }  // namespace
 
-CloseObjects scene::find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
-                                    std::size_t grain) {
+AnyWithinResult scene::find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
+                                       std::size_t grain) {
   return AnyWithinSearch(scene, max_distance, options.budget, grain).run(options.filter);
 }
 
-CloseObjects Scene::any_within(double max_distance, const AnyWithinOptions& options) const {
+AnyWithinResult Scene::any_within(double max_distance, const AnyWithinOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("any_within");
   LIMBER_REQUIRE(scene.is_committed(),

@@ -33,9 +33,9 @@ class ClosestSearch {
     closest_.result.upper = std::numeric_limits<double>::infinity();
   }
 
-  ClosestObjects among_objects(std::optional<ObjectPairFilter> filter);
+  ClosestObjectsResult among_objects(std::optional<ObjectPairFilter> filter);
   /// The object closest to a model is `b` of the result.
-  ClosestObjects next_to(const Placed& model, std::optional<ObjectFilter> filter);
+  ClosestObjectsResult next_to(const Placed& model, std::optional<ObjectFilter> filter);
 
  private:
   struct Waiting {
@@ -58,14 +58,14 @@ class ClosestSearch {
   void ask_waiting();
   void ask_round(std::span<const Waiting> round);
   void ask_neighbors(std::optional<ObjectPairFilter> filter);
-  ClosestObjects finish();
+  ClosestObjectsResult finish();
 
   const Scene::Impl& scene_;
   const DistanceOptions options_;
   SceneCache* const cache_;
   const std::size_t grain_;
   const Placed* model_ = nullptr;  // which no_id stands for
-  ClosestObjects closest_;
+  ClosestObjectsResult closest_;
   StoppedBy stopped_by_ = StoppedBy::nothing;
   std::vector<Waiting> waiting_;
   std::vector<ObjectPair> pairs_;
@@ -95,7 +95,7 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
   DistanceResult& closest = closest_.result;
   for (std::size_t i = 0; i < round.size(); ++i) {
     const QueryStats stats{closest.stats.node_tests + results_[i].stats.node_tests,
-                           closest.stats.triangle_tests + results_[i].stats.triangle_tests};
+                           closest.stats.primitive_tests + results_[i].stats.primitive_tests};
     const double lower = std::min(closest.lower, results_[i].lower);
     if (!scene::ends_all(stopped_by_) && results_[i].stopped_by != StoppedBy::nothing) {
       stopped_by_ = results_[i].stopped_by;
@@ -142,7 +142,7 @@ void ClosestSearch::ask_neighbors(std::optional<ObjectPairFilter> filter) {
   ask_waiting();
 }
 
-ClosestObjects ClosestSearch::among_objects(std::optional<ObjectPairFilter> filter) {
+ClosestObjectsResult ClosestSearch::among_objects(std::optional<ObjectPairFilter> filter) {
   ask_neighbors(filter);
   const auto visit = [&](std::uint32_t rank_a, std::uint32_t rank_b) {
     wait(rank_a, rank_b, filter);
@@ -160,7 +160,7 @@ ClosestObjects ClosestSearch::among_objects(std::optional<ObjectPairFilter> filt
   return finish();
 }
 
-ClosestObjects ClosestSearch::next_to(const Placed& model, std::optional<ObjectFilter> filter) {
+ClosestObjectsResult ClosestSearch::next_to(const Placed& model, std::optional<ObjectFilter> filter) {
   model_ = &model;
   const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.body()), model.pose);
   scene_.tree.visit_near(bounds, scene::margin_with_error(limit()), [&](std::uint32_t rank) {
@@ -174,7 +174,7 @@ ClosestObjects ClosestSearch::next_to(const Placed& model, std::optional<ObjectF
 }
 
 /// Says what the result is.
-ClosestObjects ClosestSearch::finish() {
+ClosestObjectsResult ClosestSearch::finish() {
   DistanceResult& result = closest_.result;
   LIMBER_ASSERT(is_found() == result.witness.has_value());
   if (is_found()) {
@@ -192,13 +192,14 @@ ClosestObjects ClosestSearch::finish() {
 
 }  // namespace
 
-ClosestObjects scene::find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options, std::size_t grain) {
+ClosestObjectsResult scene::find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options,
+                                         std::size_t grain) {
   const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
                                 options.budget};
   return ClosestSearch(scene, of_pair, options.cache, grain).among_objects(options.filter);
 }
 
-ClosestObjects Scene::closest_objects(const ClosestObjectsOptions& options) const {
+ClosestObjectsResult Scene::closest_objects(const ClosestObjectsOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("closest_objects");
   LIMBER_REQUIRE(scene.is_committed(),
@@ -208,7 +209,7 @@ ClosestObjects Scene::closest_objects(const ClosestObjectsOptions& options) cons
   return scene::find_closest(scene, options, scene::pairs_per_task);
 }
 
-ClosestObject Scene::closest_object(const Placed& model, const ClosestObjectOptions& options) const {
+ClosestObjectResult Scene::closest_object(const Placed& model, const ClosestObjectOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("closest_object");
   LIMBER_REQUIRE(scene.is_committed(),
@@ -218,7 +219,7 @@ ClosestObject Scene::closest_object(const Placed& model, const ClosestObjectOpti
   base::check_options(of_pair, "limber::Scene::closest_object");
   scene::check_placed(model, "limber::Scene::closest_object");
   ClosestSearch search(scene, of_pair, nullptr, scene::pairs_per_task);
-  const ClosestObjects found = search.next_to(model, options.filter);
+  const ClosestObjectsResult found = search.next_to(model, options.filter);
   return {found.objects.b, found.result};
 }
 

@@ -36,14 +36,13 @@ void check_configurations(const Scene::Impl& scene, const Configurations& all, c
                             ? all.poses.empty()
                             : all.poses.size() % all.ids.size() == 0 && all.poses.size() / all.ids.size() == all.count;
   LIMBER_REQUIRE(is_whole, text("poses: there must be one of each id for each result").c_str());
-  for (const ObjectId id : all.ids) {
-    LIMBER_REQUIRE(scene.contains(id), text("ids: one of them names no object of the scene").c_str());
+  for (std::size_t i = 0; i < all.ids.size(); ++i) {
+    LIMBER_REQUIRE_ENTRY(scene.contains(all.ids[i]), text("ids").c_str(), i, "names no object of the scene");
   }
   for (std::size_t i = 0; i < all.poses.size(); ++i) {
     if (geometry::is_rigid(all.poses[i])) continue;
-    const std::string where = "poses: the one of entry " + std::to_string(i % all.ids.size()) + " of configuration " +
-                              std::to_string(i / all.ids.size()) + " is not rigid (see is_rigid())";
-    base::throw_invalid_argument(text(where.c_str()).c_str());
+    const std::string list = text("poses[") + std::to_string(i / all.ids.size()) + "]";
+    base::throw_invalid_entry(list.c_str(), i % all.ids.size(), "is not rigid (see is_rigid())");
   }
 }
 
@@ -90,7 +89,7 @@ void ask_configurations(const Scene::Impl& scene, const Configurations& all, con
 }  // namespace
 
 void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
-                                 std::span<ClosestObjects> results, const ClosestObjectsOptions& options) const {
+                                 std::span<ClosestObjectsResult> results, const ClosestObjectsOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   constexpr const char* function = "limber::Scene::closest_objects_many";
   const Impl& scene = impl("closest_objects_many");
@@ -105,7 +104,7 @@ void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const 
       scene, all, options.budget, results,
       [&](const Impl& own) { return scene::find_closest(own, of_each, scene::no_tasks); },
       [](StoppedBy stopped_by) {
-        ClosestObjects unknown;
+        ClosestObjectsResult unknown;
         unknown.result.upper = std::numeric_limits<double>::infinity();
         unknown.result.status = DistanceStatus::interrupted, unknown.result.stopped_by = stopped_by;
         return unknown;
@@ -113,7 +112,7 @@ void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const 
 }
 
 void Scene::any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
-                            std::span<CloseObjects> results, const AnyWithinOptions& options) const {
+                            std::span<AnyWithinResult> results, const AnyWithinOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("any_within_many");
   const Configurations all{ids, poses, results.size()};
@@ -127,7 +126,7 @@ void Scene::any_within_many(std::span<const ObjectId> ids, std::span<const Trans
       scene, all, options.budget, results,
       [&](const Impl& own) { return scene::find_any_within(own, max_distance, of_each, scene::no_tasks); },
       [](StoppedBy stopped_by) {
-        CloseObjects unknown;
+        AnyWithinResult unknown;
         unknown.result.stopped_by = stopped_by;
         return unknown;
       });

@@ -32,7 +32,7 @@ class ImpactSearch {
     found_.result.time = std::numeric_limits<double>::infinity();
   }
 
-  ObjectImpact run();
+  ObjectImpactResult run();
 
  private:
   struct Near {
@@ -53,7 +53,7 @@ class ImpactSearch {
   double begin_ = 0;     // of the piece
   std::vector<bool> asked_;
   std::vector<Near> near_;
-  ObjectImpact found_;
+  ObjectImpactResult found_;
 };
 
 /// Finds the objects that count, have not been asked, and may be within a distance.
@@ -72,9 +72,9 @@ void ImpactSearch::find_near(const scene::WorldBounds& bounds, double reach) {
 void ImpactSearch::ask(ObjectId id) {
   const PathImpact impact = path::first_impact(body_, path_, scene_.placed(id), begin_, of_pair_);
   PathImpact& first = found_.result;
-  const std::uint64_t distances = first.distances + impact.distances;
+  const std::uint64_t distances = first.distance_count + impact.distance_count;
   const QueryStats stats{first.stats.node_tests + impact.stats.node_tests,
-                         first.stats.triangle_tests + impact.stats.triangle_tests};
+                         first.stats.primitive_tests + impact.stats.primitive_tests};
   // A contact and an object that could not be decided may share a time: the contact counts.
   const bool is_first = impact.time < first.time || (impact.witness && !first.witness && impact.time == first.time);
   if (is_first) {
@@ -82,10 +82,10 @@ void ImpactSearch::ask(ObjectId id) {
     found_.object = impact.witness ? id : no_id;
     of_pair_.max_time = impact.time;
   }
-  first.distances = distances, first.stats = stats;
+  first.distance_count = distances, first.stats = stats;
 }
 
-ObjectImpact ImpactSearch::run() {
+ObjectImpactResult ImpactSearch::run() {
   const scene::LocalBounds local = scene::local_bounds(body_);
   const double size = std::max(2 * local.radius, std::numeric_limits<double>::min());
   const int pieces = static_cast<int>(std::min(path_.speed * of_pair_.max_time / size, most_pieces - 1)) + 1;
@@ -117,8 +117,8 @@ void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions
 
 }  // namespace
 
-ObjectImpact Scene::time_of_impact(const Body& body, const RigidMotion& motion,
-                                   const ObjectImpactOptions& options) const {
+ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidMotion& motion,
+                                         const ObjectImpactOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
@@ -126,7 +126,8 @@ ObjectImpact Scene::time_of_impact(const Body& body, const RigidMotion& motion,
   return ImpactSearch(scene, body, {pose, path::speed_of(body, motion)}, options).run();
 }
 
-ObjectImpact Scene::time_of_impact(const Body& body, const RigidPath& path, const ObjectImpactOptions& options) const {
+ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidPath& path,
+                                         const ObjectImpactOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);

@@ -74,9 +74,9 @@ void Scene::set_poses(std::span<const ObjectId> ids, std::span<const Transform> 
   Impl& scene = impl("set_poses");
   LIMBER_REQUIRE(ids.size() == poses.size(), "limber::Scene::set_poses: there are not as many poses as ids");
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    LIMBER_REQUIRE(scene.contains(ids[i]), "limber::Scene::set_poses: one of the ids names no object of the scene");
-    LIMBER_REQUIRE(geometry::is_rigid(poses[i]),
-                   "limber::Scene::set_poses: one of the poses is not rigid (see is_rigid())");
+    LIMBER_REQUIRE_ENTRY(scene.contains(ids[i]), "limber::Scene::set_poses: ids", i, "names no object of the scene");
+    LIMBER_REQUIRE_ENTRY(geometry::is_rigid(poses[i]), "limber::Scene::set_poses: poses", i,
+                         "is not rigid (see is_rigid())");
   }
   for (std::size_t i = 0; i < ids.size(); ++i) scene.set_pose(ids[i], poses[i]);
   scene.is_changed = scene.is_changed || !ids.empty();

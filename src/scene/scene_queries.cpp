@@ -24,9 +24,9 @@ void check_pairs(const Scene::Impl& scene, std::span<const ObjectPair> pairs, st
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene: a query needs a committed scene; objects or models have changed since then");
   LIMBER_REQUIRE(pairs.size() == result_count, "limber::Scene: results: there are not as many as pairs");
-  for (const ObjectPair& pair : pairs) {
-    LIMBER_REQUIRE(scene.contains(pair.a) && scene.contains(pair.b),
-                   "limber::Scene: pairs: one of them names no object of the scene");
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    LIMBER_REQUIRE_ENTRY(scene.contains(pairs[i].a) && scene.contains(pairs[i].b), "limber::Scene: pairs", i,
+                         "names no object of the scene");
   }
 }
 

@@ -22,9 +22,9 @@ constexpr std::size_t no_tasks = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t most_in_round = 64;
 
 /// Pre: the scene is committed, and the options are what they have to be.
-ClosestObjects find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options, std::size_t grain);
-CloseObjects find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
-                             std::size_t grain);
+ClosestObjectsResult find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options, std::size_t grain);
+AnyWithinResult find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
+                                std::size_t grain);
 
 /// Throws   std::invalid_argument, naming the function, unless a model may be asked about where it is placed.
 void check_placed(const Placed& model, const char* function);

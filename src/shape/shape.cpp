@@ -108,10 +108,10 @@ Shape Shape::sphere(double radius) {
   return {core({Vec3{}}, {{0, 0, 0}}, "sphere"), radius, false};
 }
 
-Shape Shape::capsule(const Vec3& from, const Vec3& to, double radius) {
-  check_point(from, "capsule", "from"), check_point(to, "capsule", "to");
+Shape Shape::capsule(const Vec3& start, const Vec3& end, double radius) {
+  check_point(start, "capsule", "start"), check_point(end, "capsule", "end");
   check_size(radius, "capsule", "radius");
-  return {core({from, to}, {{0, 1, 1}}, "capsule"), radius, false};
+  return {core({start, end}, {{0, 1, 1}}, "capsule"), radius, false};
 }
 
 Shape Shape::box(const Vec3& half_extents, double radius) {
@@ -125,19 +125,19 @@ Shape Shape::box(const Vec3& half_extents, double radius) {
   return {core(std::move(corners), box_triangles(), "box"), radius, true};
 }
 
-Shape Shape::cylinder(const Vec3& from, const Vec3& to, double radius, double max_error) {
+Shape Shape::cylinder(const Vec3& start, const Vec3& end, double radius, double max_error) {
   const base::DefaultFloatEnvironment environment;
-  check_point(from, "cylinder", "from"), check_point(to, "cylinder", "to");
+  check_point(start, "cylinder", "start"), check_point(end, "cylinder", "end");
   check_size(radius, "cylinder", "radius");
-  check(from != to && radius > 0, "cylinder", "from and to must differ, and the radius must be above 0");
+  check(start != end && radius > 0, "cylinder", "start and end must differ, and the radius must be above 0");
   check_size(max_error, "cylinder", "max_error");
   check(max_error > 0, "cylinder", "max_error must be above 0");
   const std::uint32_t sides = sides_within(max_error, radius);
-  const auto [along, across, up] = frame_of(to - from);
+  const auto [along, across, up] = frame_of(end - start);
   // What rounding may move a corner by, and the frame that is not quite perpendicular: the prism is larger by it.
-  const double rounding = 0x1p-49 * (max_abs(from) + max_abs(to) + radius);
+  const double rounding = 0x1p-49 * (max_abs(start) + max_abs(end) + radius);
   const double to_corner = (radius + rounding) / std::cos(pi / sides) * prism_room;
-  const Vec3 bottom = from - rounding * along, top = to + rounding * along;
+  const Vec3 bottom = start - rounding * along, top = end + rounding * along;
   std::vector<Vec3> positions{bottom, top};
   std::vector<Corners> triangles;
   for (std::uint32_t i = 0; i < sides; ++i) {
@@ -152,17 +152,18 @@ Shape Shape::cylinder(const Vec3& from, const Vec3& to, double radius, double ma
           (to_corner - radius + 3 * rounding) * prism_room};
 }
 
-Shape Shape::half_space(const Vec3& normal, double offset, double extent) {
+Shape Shape::half_space(const Vec3& normal, double offset, double half_extent) {
   const base::DefaultFloatEnvironment environment;
   check_point(normal, "half_space", "normal");
   check(normal != Vec3{}, "half_space", "the normal must not be 0");
-  check_size(std::abs(offset), "half_space", "the size of the offset"), check_size(extent, "half_space", "extent");
-  check(extent > 0, "half_space", "extent must be above 0");
+  check_size(std::abs(offset), "half_space", "the size of the offset"),
+      check_size(half_extent, "half_space", "half_extent");
+  check(half_extent > 0, "half_space", "half_extent must be above 0");
   const auto [along, across, up] = frame_of(normal);
   std::vector<Vec3> corners;
   for (unsigned i = 0; i < 8; ++i) {
-    const double x = (i & 1) != 0 ? extent : -extent, y = (i & 2) != 0 ? extent : -extent;
-    const double z = (i & 4) != 0 ? offset : offset - 2 * extent;
+    const double x = (i & 1) != 0 ? half_extent : -half_extent, y = (i & 2) != 0 ? half_extent : -half_extent;
+    const double z = (i & 4) != 0 ? offset : offset - 2 * half_extent;
     corners.push_back(x * across + y * up + z * along);
   }
   return {core(std::move(corners), box_triangles(), "half_space"), 0, true};

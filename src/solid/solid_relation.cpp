@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "base/parallel.h"
@@ -74,10 +75,9 @@ SolidRelation relation_of(const Cells& cells, bool have_contact) {
 
 }  // namespace
 
-SolidRelationResult solid_relation(const ClosedSurface& a, const Transform& world_from_a, const ClosedSurface& b,
-                                   const Transform& world_from_b) {
+SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& b) {
   const base::DefaultFloatEnvironment environment;
-  const Placed placed_a = a.placed(world_from_a), placed_b = b.placed(world_from_b);
+  const Placed placed_a = Access::placed(a), placed_b = Access::placed(b);
   const pair::PlacedPair placed(placed_a, placed_b);
   SolidRelationResult result;
   ++result.stats.node_tests;
@@ -103,25 +103,24 @@ SolidRelationResult solid_relation(const ClosedSurface& a, const Transform& worl
   if (!cells.are_all_known()) solid::Shells(cells, contacts).look();
   result.relation = relation_of(cells, !contacts.empty());
   result.stats.node_tests += found.stats.node_tests + cells.stats.node_tests;
-  result.stats.triangle_tests += found.stats.triangle_tests + cells.stats.triangle_tests;
+  result.stats.primitive_tests += found.stats.primitive_tests + cells.stats.primitive_tests;
   return result;
 }
 
-void solid_relations(std::span<const PlacedSurface> surfaces, std::span<const ObjectPair> pairs,
-                     std::span<SolidRelationResult> results) {
+void solid_relation_many(std::span<const std::optional<PlacedSurface>> surfaces, std::span<const ObjectPair> pairs,
+                         std::span<SolidRelationResult> results) {
   const base::DefaultFloatEnvironment environment;
-  LIMBER_REQUIRE(pairs.size() == results.size(), "limber::solid_relations: results: there are not as many as pairs");
-  const auto is_named = [&](ObjectId id) { return id < surfaces.size() && surfaces[id].surface != nullptr; };
-  const auto placed = [&](ObjectId id) { return surfaces[id].surface->placed(surfaces[id].world_from_model); };
-  for (const ObjectPair& pair : pairs) {
-    LIMBER_REQUIRE(is_named(pair.a) && is_named(pair.b),
-                   "limber::solid_relations: pairs: one of them names no surface");
-    pair::PlacedPair(placed(pair.a), placed(pair.b));  // which checks both
+  LIMBER_REQUIRE(pairs.size() == results.size(),
+                 "limber::solid_relation_many: results: there are not as many as pairs");
+  const auto is_named = [&](ObjectId id) { return id < surfaces.size() && surfaces[id].has_value(); };
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const ObjectPair& pair = pairs[i];
+    LIMBER_REQUIRE_ENTRY(is_named(pair.a) && is_named(pair.b), "limber::solid_relation_many: pairs", i,
+                         "names no surface");
+    pair::PlacedPair(Access::placed(*surfaces[pair.a]), Access::placed(*surfaces[pair.b]));  // which checks both
   }
-  base::parallel_for(pairs.size(), 1, [&](std::size_t i) {
-    const PlacedSurface &a = surfaces[pairs[i].a], &b = surfaces[pairs[i].b];
-    results[i] = solid_relation(*a.surface, a.world_from_model, *b.surface, b.world_from_model);
-  });
+  base::parallel_for(pairs.size(), 1,
+                     [&](std::size_t i) { results[i] = solid_relation(*surfaces[pairs[i].a], *surfaces[pairs[i].b]); });
 }
 
 }  // namespace limber

@@ -246,13 +246,13 @@ bool play_scene(const Model& ball, std::int64_t k, Failing failing) {
     distances.assign(count, {});
     failing_call(scene, [&] { scene.distance(std::span(pairs).first(count), distances, {.cache = &cache}); });
     for (const DistanceResult& d : distances) EXPECT_EQ(d.upper, 0);
-    ClosestObjects closest;
+    ClosestObjectsResult closest;
     const auto are_not_next = [](ObjectId a, ObjectId b) { return b != a + 1; };
     failing_call(scene, [&] { closest = scene.closest_objects({.filter = are_not_next, .cache = &cache}); });
     EXPECT_NEAR(closest.result.upper, 1, 0.1);
     const std::vector<ObjectId> ids{5};
     const std::vector<Transform> poses(17, {{}, {1.5 * 5, 0, 3}});
-    std::vector<ClosestObjects> results(poses.size());
+    std::vector<ClosestObjectsResult> results(poses.size());
     failing_call(scene, [&] { scene.closest_objects_many(ids, poses, results, {.filter = are_not_next}); });
     EXPECT_NEAR(results[16].result.upper, 1, 0.1);
     ObjectContacts contacts;

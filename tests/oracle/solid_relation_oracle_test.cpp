@@ -129,8 +129,8 @@ TEST(SolidRelationOracle, NefPolyhedraAgree) {
     bool surfaces_meet = false;
     const SolidRelation expected = relation_of(nef_of(*a, pose_a), nef_of(*b, pose_b), surfaces_meet);
     const Model model_a(*a), model_b(*b);
-    const SolidRelationResult found =
-        solid_relation(ClosedSurface::create(model_a).value(), pose_a, ClosedSurface::create(model_b).value(), pose_b);
+    const SolidRelationResult found = solid_relation({ClosedSurface::create(model_a).value(), pose_a},
+                                                     {ClosedSurface::create(model_b).value(), pose_b});
     ASSERT_EQ(static_cast<int>(found.relation), static_cast<int>(expected)) << "pair " << i;
     ASSERT_EQ(found.witness.has_value(), surfaces_meet) << "pair " << i;
     ++seen[static_cast<std::size_t>(expected)];

@@ -132,7 +132,7 @@ TEST(Determinism, ZeroDistanceIsAnOrdinaryAnswerThatComesSoon) {
     ASSERT_EQ(agreed_distance(a, b, 1e-15), 0);
     const DistanceResult found = distance(a, b);
     EXPECT_EQ(found.status, DistanceStatus::collision);
-    EXPECT_LT(found.stats.node_tests + found.stats.triangle_tests, 2000U);
+    EXPECT_LT(found.stats.node_tests + found.stats.primitive_tests, 2000U);
     for (const Contact& c : all_contacts(a, b, 0)) {
       EXPECT_NEAR(length(c.normal), 1, 1e-15);
       EXPECT_TRUE(is_finite(c));

@@ -12,7 +12,7 @@
 namespace limber::testing {
 namespace {
 
-std::uint64_t steps(const QueryStats& stats) { return stats.node_tests + stats.triangle_tests; }
+std::uint64_t steps(const QueryStats& stats) { return stats.node_tests + stats.primitive_tests; }
 
 // FCL #38: each query copies the mesh and moves every vertex. SOFA #5: memory leaks while bodies are in contact.
 // trimesh #806: memory of searches is never given back.

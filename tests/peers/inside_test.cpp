@@ -102,7 +102,7 @@ TEST(Inside, DoesNotNeedNormalsOutwardAndRefusesWhatIsOpen) {
   const Result<ClosedSurface> refused = ClosedSurface::create(open);
   ASSERT_FALSE(static_cast<bool>(refused));
   EXPECT_EQ(refused.error().code, ErrorCode::not_closed);
-  EXPECT_NEAR(std::abs(winding_number({open}, {0.1, 0.2, 0.3})), 1, 0.05);
+  EXPECT_NEAR(std::abs(generalized_winding_number({open}, {0.1, 0.2, 0.3})), 1, 0.05);
 }
 
 // libigl #644: with copies of some faces, turned over, a point inside gets a positive distance.

@@ -78,7 +78,7 @@ TEST(Threads, MayDeformAndAskAboutModelsOfTheirOwn) {
       body.move_all(positions).value();
       body.commit();
       scene.commit();
-      const ClosestObjects closest = scene.closest_objects();
+      const ClosestObjectsResult closest = scene.closest_objects();
       sum += answers({body}, {other, at(1.2)}) + closest.result.upper;
     }
     return sum;

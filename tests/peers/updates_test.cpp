@@ -161,7 +161,7 @@ TEST(Updates, ReachTheSignOfDistances) {
     for (int i = 0; i < 20; ++i) {
       const Vec3 p = random_point(rng, 1.5);
       ASSERT_EQ(surface.contains(p), rational_winding(triangles, p) != 0) << step;
-      EXPECT_NEAR(winding_number({body}, p), rational_winding(triangles, p), 1e-9);
+      EXPECT_NEAR(generalized_winding_number({body}, p), rational_winding(triangles, p), 1e-9);
     }
   }
 }

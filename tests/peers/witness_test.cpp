@@ -63,7 +63,7 @@ TEST(WitnessPoints, OfManyCellsAndAnArmLieOnBothWhicheverComesFirst) {
     scene.set_pose(arm_id, pose);
     scene.commit();
     const double truth = agreed_distance({octree}, {arm, pose}, 1e-13);
-    const ClosestObjects closest = scene.closest_objects({.filter = with_arm});
+    const ClosestObjectsResult closest = scene.closest_objects({.filter = with_arm});
     EXPECT_NEAR(closest.result.upper, truth, 1e-13);
     EXPECT_EQ(closest.objects.b, arm_id);
     expect_witness(scene.object(closest.objects.a), scene.object(arm_id), closest.result.witness.value(), truth, 1e-13);
@@ -143,7 +143,7 @@ TEST(WitnessPoints, OfAGroupAreAsFarApartAsTheGroupIs) {
   static_cast<void>(scene.add({two, at(-15, 15, 0)}));
   scene.commit();
   const auto with_robot = [&](ObjectId a, ObjectId b) { return a == robot || b == robot; };
-  const ClosestObjects closest = scene.closest_objects({.filter = with_robot});
+  const ClosestObjectsResult closest = scene.closest_objects({.filter = with_robot});
   const double truth = std::min(agreed_distance({one, turned}, {two, at(-5, 10, 0)}, 1e-12),
                                 agreed_distance({one, turned}, {two, at(-15, 15, 0)}, 1e-12));
   EXPECT_NEAR(closest.result.upper, truth, 1e-12);
@@ -210,7 +210,7 @@ TEST(WitnessPoints, OfASceneAreThoseOfThePairThatIsNamed) {
       objects.push_back(in_reference(object));
     }
     scene.commit();
-    const ClosestObjects found = scene.closest_objects(), truth = reference::closest_objects(objects);
+    const ClosestObjectsResult found = scene.closest_objects(), truth = reference::closest_objects(objects);
     ASSERT_NEAR(found.result.upper, truth.result.upper, 1e-13);
     if (truth.result.upper > 0) {
       EXPECT_EQ(found.objects, truth.objects);
@@ -232,7 +232,7 @@ TEST(WitnessPoints, OfATieBelongToTheTriangleThatIsNamed) {
     EXPECT_EQ(found.triangle, 0U);
     EXPECT_EQ(found.feature.kind, FeatureKind::edge);
     const Triangle t = wedge.mesh().triangle(found.triangle);
-    const Vec3 rebuilt = found.barycentric[0] * t.v0 + found.barycentric[1] * t.v1 + found.barycentric[2] * t.v2;
+    const Vec3 rebuilt = found.weights[0] * t.v0 + found.weights[1] * t.v1 + found.weights[2] * t.v2;
     expect_near(rebuilt, found.position, 1e-15);
   }
 }
@@ -242,14 +242,14 @@ TEST(WitnessPoints, HaveWeightsInTheOrderOfTheCorners) {
   const Model face(triangles_of({{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}}})),
       tip(triangles_of({{{1, 2, 1}, {1, 2, 2}, {1, 2, 3}}}));
   const SurfacePoint found = closest_point({face}, {1, 2, 1}).closest.value();
-  EXPECT_EQ(found.barycentric, (std::array<double, 3>{0.625, 0.125, 0.25}));
+  EXPECT_EQ(found.weights, (Vec3{0.625, 0.125, 0.25}));
   std::vector<VertexFacePair> pairs(9);
   std::vector<EdgeEdgePair> edge_pairs(9);
   const ElementPairCount count = element_pairs({face}, {tip}, 1, pairs, edge_pairs);
   ASSERT_EQ(count.vertex_face, 1U);
   EXPECT_EQ(pairs[0].weights, (Vec3{0.625, 0.125, 0.25}));
   const Model other(triangles_of({{{0, 8, 0}, {0, 0, 0}, {8, 0, 0}}}));
-  EXPECT_EQ(closest_point({other}, {1, 2, 1}).closest->barycentric, (std::array<double, 3>{0.25, 0.625, 0.125}));
+  EXPECT_EQ(closest_point({other}, {1, 2, 1}).closest->weights, (Vec3{0.25, 0.625, 0.125}));
 }
 
 // Drake PR #17789: a field of a result keeps what an earlier query has left there.

@@ -75,8 +75,8 @@ TEST(ProgramPoints, AnswersEachRowAsBruteForceDoes) {
     EXPECT_EQ(row.at("triangle"), std::to_string(truth.closest->triangle));
     EXPECT_EQ(object["closest"]["face"], std::stoi(row.at("face")));
     EXPECT_EQ(object["closest"]["feature"], row.at("feature"));
-    EXPECT_EQ(number(row.at("weight_1")), truth.closest->barycentric[1]);
-    EXPECT_EQ(object["closest"]["weights"][1], truth.closest->barycentric[1]);
+    EXPECT_EQ(number(row.at("weight_1")), truth.closest->weights[1]);
+    EXPECT_EQ(object["closest"]["weights"][1], truth.closest->weights[1]);
   }
   EXPECT_GT(beyond, 10);
   EXPECT_GT(inside, 5);

@@ -160,7 +160,7 @@ TEST(ProgramStudy, OfPartsAsksAboutAllPairs) {
   EXPECT_EQ(lines_of(run("distance --parts " + file).out).front(),
             "row,part_a,part_b,name_a,name_b,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,"
             "point_b_z,triangle_a,triangle_b,face_a,face_b,too_close,inside,clash,solids,query_us,node_tests,"
-            "triangle_tests");
+            "primitive_tests");
 }
 
 TEST(ProgramStudy, NamesWhatIsWrongInAFileOfParts) {

@@ -37,7 +37,7 @@ TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
   const std::string csv = answer_to(line);  // no progress bar outside a terminal
   EXPECT_EQ(lines_of(csv).front(),
             "frame,update_us,query_us,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-            "triangle_a,triangle_b,face_a,face_b,moved_vertices,refits,absorbed,node_tests,triangle_tests");
+            "triangle_a,triangle_b,face_a,face_b,moved_vertices,refits,absorbed,node_tests,primitive_tests");
   const std::vector<Row> rows = table_of(csv), classic_rows = table_of(answer_to(line + " --engine classic"));
   ASSERT_EQ(rows.size(), 3U);
   for (std::size_t f = 0; f < rows.size(); ++f) {

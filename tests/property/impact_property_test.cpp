@@ -28,7 +28,7 @@ auto ids_of(const Impact& i) { return std::tuple(i.elements.kind, i.elements.a, 
 auto values_of(const Impact& i) { return std::tuple(i.time.status, i.time.lower, i.time.upper); }
 auto values_of(const ImpactResult& r) {
   const auto pair = r.elements.value_or(ElementPair{});
-  return std::tuple(r.status, r.lower, r.upper, pair.kind, pair.a, pair.b, r.stats.node_tests, r.stats.triangle_tests);
+  return std::tuple(r.status, r.lower, r.upper, pair.kind, pair.a, pair.b, r.stats.node_tests, r.stats.primitive_tests);
 }
 
 std::vector<Impact> in_order(std::vector<Impact> impacts) {
@@ -210,7 +210,7 @@ struct ImpactTotals {
 void check(Rng& rng, const MovingScene& s, const ImpactQueries& queries, const std::vector<Impact>& truth,
            const std::vector<Impact>& exact, ImpactTotals& totals) {
   ImpactOptions options = s.options;
-  options.ignores_crossings = true;
+  options.ignore_crossings = true;
   const std::vector<Impact> all = queries.all(options);
   simd::use_kernels(&simd::scalar_kernels);
   const ImpactResult first = queries.first(options);
@@ -259,7 +259,7 @@ void check_separation(const MovingScene& s, const ImpactQueries& queries, double
   const auto by_ids = [](const Impact& p, const Impact& q) { return ids_of(p) < ids_of(q); };
   EXPECT_TRUE(std::includes(truth.begin(), truth.end(), found.begin(), found.end(), by_ids)) << "no impact";
   EXPECT_TRUE(std::includes(found.begin(), found.end(), nearer.begin(), nearer.end(), by_ids)) << "one is missing";
-  options.ignores_crossings = true;
+  options.ignore_crossings = true;
   const ImpactResult first = queries.first(options);
   EXPECT_EQ(first.status == ImpactStatus::clear, found.empty());
   EXPECT_LE(first.lower, first_of(nearer).upper);

@@ -88,10 +88,10 @@ TEST_F(PenetrationProperty, DeepestVerticesAreThoseOfALoop) {
     const std::optional<DeepestVertex> truth_b = deepest_by_loop(pair.b, pair.pose_b, a, pair.pose_a);
     const std::span<const simd::Kernels> sets = simd::all_kernels();
     simd::use_kernels(&sets[i % sets.size()]);
-    const DeepestVertices found = deepest_vertices(a, pair.pose_a, b, pair.pose_b);
+    const DeepestVertices found = deepest_vertices({a, pair.pose_a}, {b, pair.pose_b});
     simd::use_kernels(nullptr);
     expect_same_vertex(found.of_a, truth_a), expect_same_vertex(found.of_b, truth_b);
-    EXPECT_EQ(found.upper, std::max(truth_a ? truth_a->depth : 0, truth_b ? truth_b->depth : 0));
+    EXPECT_EQ(found.max_depth, std::max(truth_a ? truth_a->depth : 0, truth_b ? truth_b->depth : 0));
     of_a += truth_a ? 1 : 0, of_both += truth_a && truth_b ? 1 : 0;
   }
   EXPECT_GT(static_cast<double>(of_a), 0.1 * static_cast<double>(pairs));
@@ -107,7 +107,8 @@ TEST_F(PenetrationProperty, SeparatingTranslationsAreThoseOfRationalArithmetic) 
     const SolidPair pair(rng);
     const Model model_a(pair.a), model_b(pair.b);
     const ClosedSurface a = ClosedSurface::create(model_a).value(), b = ClosedSurface::create(model_b).value();
-    const SeparatingTranslation found = separating_translation(a, pair.pose_a, b, pair.pose_b, random_direction(rng));
+    const SeparatingTranslation found =
+        separating_translation({a, pair.pose_a}, {b, pair.pose_b}, random_direction(rng));
     const auto placed = [](const Mesh& mesh, const Transform& pose) {
       std::vector<Triangle> triangles;
       for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
@@ -148,7 +149,7 @@ TEST_F(PenetrationProperty, SignedDistancesAreProvenByOtherQueries) {
     const SolidPair pair(rng);
     const Model model_a(pair.a), model_b(pair.b);
     const ClosedSurface a = ClosedSurface::create(model_a).value(), b = ClosedSurface::create(model_b).value();
-    const SolidDistance found = signed_distance(a, pair.pose_a, b, pair.pose_b);
+    const SolidDistance found = signed_distance({a, pair.pose_a}, {b, pair.pose_b});
     const auto is_apart = [&](const Transform& pose) {
       return collide({model_a, pair.pose_a}, {model_b, pose}).is_no() &&
              !deepest_by_loop(pair.a, pair.pose_a, b, pose) && !deepest_by_loop(pair.b, pose, a, pair.pose_a);
@@ -165,9 +166,9 @@ TEST_F(PenetrationProperty, SignedDistancesAreProvenByOtherQueries) {
     EXPECT_LE(found.upper, 0);
     EXPECT_GE(-found.lower, length(found.translation));
     EXPECT_LE(-found.lower, length(found.translation) * (1 + 0x1p-30));
-    EXPECT_LE(found.deepest.upper, -found.lower);
+    EXPECT_LE(found.deepest.max_depth, -found.lower);
     EXPECT_TRUE(is_apart(pose_moved_by(pair.pose_b, found.translation)));
-    const SolidDistance swapped = signed_distance(b, pair.pose_b, a, pair.pose_a);
+    const SolidDistance swapped = signed_distance({b, pair.pose_b}, {a, pair.pose_a});
     EXPECT_LE(swapped.lower, found.upper);
     EXPECT_LE(found.lower, swapped.upper);
     (found.upper - found.lower <= 0.02 * -found.lower + 0x1p-38 * pair.size ? tight : loose) += 1;
@@ -222,11 +223,11 @@ TEST_P(RealPenetration, IsKnownWhereAPlateIsPushedIn) {
       for (const VertexId v : c) top = std::max(top, pose(mesh->positions()[v]).z);
     }
     const Transform at{{}, {0, 0, top - depth}};
-    EXPECT_NEAR(deepest_vertices(body, pose, above, at).of_a->depth, depth, 1e-12);
-    const SeparatingTranslation up = separating_translation(body, pose, above, at, {0, 0, 1});
+    EXPECT_NEAR(deepest_vertices({body, pose}, {above, at}).of_a->depth, depth, 1e-12);
+    const SeparatingTranslation up = separating_translation({body, pose}, {above, at}, {0, 0, 1});
     EXPECT_NEAR(up.lower, depth, 1e-11);
     EXPECT_NEAR(up.upper, depth, 1e-11);
-    const SolidDistance found = signed_distance(body, pose, above, at);
+    const SolidDistance found = signed_distance({body, pose}, {above, at});
     EXPECT_NEAR(found.upper, -depth, 1e-11);
     EXPECT_LE(-found.lower, 1.01 * depth + 1e-11);
   }
@@ -240,16 +241,16 @@ TEST_P(RealPenetration, OfABodyInItselfIsProvenByOtherQueries) {
   Rng rng(4006);
   for (int i = 0; i < 3; ++i) {
     const Transform pose{scenes::random_rotation(rng), 0.3 * uniform_point(rng)};
-    const DeepestVertices deepest = deepest_vertices(body, {}, other, pose);
+    const DeepestVertices deepest = deepest_vertices({body}, {other, pose});
     expect_same_vertex(deepest.of_a, deepest_by_loop(*mesh, {}, other, pose));
     expect_same_vertex(deepest.of_b, deepest_by_loop(small.mesh(), pose, body, {}));
-    const SolidDistance found = signed_distance(body, {}, other, pose);
-    EXPECT_LE(deepest.upper, -found.upper + 1e-12);
+    const SolidDistance found = signed_distance({body}, {other, pose});
+    EXPECT_LE(deepest.max_depth, -found.upper + 1e-12);
     EXPECT_LE(found.lower, found.upper);
     const Transform away = pose_moved_by(pose, found.translation);
     EXPECT_TRUE(collide({model}, {small, away}).is_no());
     EXPECT_FALSE(deepest_by_loop(small.mesh(), away, body, {}));
-    const SeparatingTranslation along = separating_translation(body, {}, other, pose, found.translation);
+    const SeparatingTranslation along = separating_translation({body}, {other, pose}, found.translation);
     EXPECT_LE(distance({model}, {small, pose_moved_by(pose, along.lower * along.direction)}).upper, 1e-11);
     for (double more = 1e-11; more < 2; more *= 1.5) {
       const Transform farther = pose_moved_by(pose, (along.upper + more) * along.direction);
@@ -310,7 +311,7 @@ TEST_F(PenetrationProperty, TheLeastTranslationOfConvexSolidsIsInTheInterval) {
     if (rng.below(2) == 0) pose = random_pose(rng, 2);
     const Model model_a(mesh_a), model_b(mesh_b);
     const ClosedSurface a = ClosedSurface::create(model_a).value(), b = ClosedSurface::create(model_b).value();
-    const SolidDistance found = signed_distance(a, {}, b, pose, {.relative_error = 0});
+    const SolidDistance found = signed_distance({a}, {b, pose}, {.relative_error = 0});
     if (found.are_apart()) continue;
     std::vector<Vec3> placed = mesh_b.positions();
     for (Vec3& p : placed) p = pose(p);

@@ -77,7 +77,7 @@ RC_GTEST_PROP(Primitives, PointsAndEdgesHaveWeights, (std::uint64_t seed)) {
     const SurfacePoint found = closest_point({model_b}, p).closest.value();
     const double tolerance = 0x1p-50 * extent_from(p, b, b) + 0x1p-1022;
     require_distance(found.distance, exact::squared_distance({p, p, p}, b), tolerance);
-    require_weights(found.barycentric[0], found.barycentric[1], found.barycentric[2]);
+    require_weights(found.weights[0], found.weights[1], found.weights[2]);
   }
   const ElementPairCount count = visit_element_pairs(
       {model_a}, {model_b}, 0x1p210,

@@ -46,7 +46,7 @@ TEST(BruteForce, EqualsTheReferenceToTheBitWhateverItSkips) {
 bool same_bits(const DistanceResult& x, const DistanceResult& y) {
   return std::memcmp(&x.lower, &y.lower, sizeof(double)) == 0 && std::memcmp(&x.upper, &y.upper, sizeof(double)) == 0 &&
          x.status == y.status && std::memcmp(&*x.witness, &*y.witness, sizeof(Witness)) == 0 &&
-         x.stats.node_tests == y.stats.node_tests && x.stats.triangle_tests == y.stats.triangle_tests;
+         x.stats.node_tests == y.stats.node_tests && x.stats.primitive_tests == y.stats.primitive_tests;
 }
 
 TEST(RandomQueries, OfTheFastEngineEqualTheReferenceOnEveryInstructionSet) {

@@ -134,7 +134,7 @@ RC_GTEST_PROP(Scenes, MissNoPairThatIsWithinTheMargin, (std::uint64_t seed)) {
         RC_ASSERT(is_candidate);
       }
     }
-    const ClosestObjects found = c.scene.closest_objects({.cache = c.rng.below(2) == 0 ? &cache : nullptr});
+    const ClosestObjectsResult found = c.scene.closest_objects({.cache = c.rng.below(2) == 0 ? &cache : nullptr});
     if (std::isinf(closest)) {
       RC_ASSERT(found.result.status == DistanceStatus::beyond_limit);
       continue;
@@ -160,8 +160,8 @@ RC_GTEST_PROP(Scenes, AnswerManyConfigurationsAsBruteForce, (std::uint64_t seed)
   const std::size_t count = c.rng.below(4);
   std::vector<Transform> poses(count * ids.size());
   for (Transform& pose : poses) pose = c.pose();
-  std::vector<ClosestObjects> closest(count);
-  std::vector<CloseObjects> any(count);
+  std::vector<ClosestObjectsResult> closest(count);
+  std::vector<AnyWithinResult> any(count);
   c.scene.closest_objects_many(ids, poses, closest, {.filter = counts});
   c.scene.any_within_many(ids, poses, margin, any, {.filter = counts});
   for (std::size_t k = 0; k < count; ++k) {

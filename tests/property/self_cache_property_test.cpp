@@ -31,7 +31,7 @@ Mesh regular(Rng& rng) {
 Mesh any_mesh(Rng& rng) { return rng.below(3) == 0 ? regular(rng) : crumpled(rng); }
 
 /// The least distance of the pairs that count.
-double least_distance(const std::vector<Contact>& pairs, const TrianglePairFilter& filter) {
+double min_distance(const std::vector<Contact>& pairs, const TrianglePairFilter& filter) {
   double least = std::numeric_limits<double>::infinity();
   for (const Contact& c : pairs) {
     if (filter(c.triangle_a, c.triangle_b)) least = std::min(least, c.distance);
@@ -58,7 +58,7 @@ void check_cached(const Model& model, Rng& rng, QueryCache& cache, Counts& count
   const auto filter = [&](TriangleId a, TriangleId b) { return (a * 31 + b * 17 + salt) % 4 >= refused; };
   const SelfQueryOptions options{.filter = filter}, with_cache{.filter = filter, .cache = &cache};
   const std::vector<Contact> pairs = reference::self_contacts(model.mesh(), std::numeric_limits<double>::max());
-  const double least = least_distance(pairs, filter), rounding = 1e-14 * extent_of(model.mesh());
+  const double least = min_distance(pairs, filter), rounding = 1e-14 * extent_of(model.mesh());
 
   const DistanceResult exact = self_distance(model, {.filter = filter, .cache = &cache});
   ASSERT_EQ(exact.upper, least);

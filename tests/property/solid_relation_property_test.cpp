@@ -64,8 +64,8 @@ void expect_relation(Rng& rng, const Mesh& a, const Transform& pose_a, const Mes
   const Model model_a(turned(a)), model_b(turned(b));
   const ClosedSurface surface_a = ClosedSurface::create(model_a).value();
   const ClosedSurface surface_b = ClosedSurface::create(model_b).value();
-  const SolidRelationResult found = solid_relation(surface_a, pose_a, surface_b, pose_b);
-  const SolidRelationResult reversed = solid_relation(surface_b, pose_b, surface_a, pose_a);
+  const SolidRelationResult found = solid_relation({surface_a, pose_a}, {surface_b, pose_b});
+  const SolidRelationResult reversed = solid_relation({surface_b, pose_b}, {surface_a, pose_a});
   const SolidRelation by_shells = relation_by_shells({model_a, pose_a}, {model_b, pose_b});
   simd::use_kernels(nullptr);
   ASSERT_EQ(name_of(by_shells), std::string(name_of(expected))) << what << ", by shells";

@@ -22,7 +22,7 @@ CollideResult collide(const Placed& a, const Placed& b) {
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
-      ++result.stats.triangle_tests;
+      ++result.stats.primitive_tests;
       if (!geometry::intersects(triangles_a[i], triangles_b[j])) continue;
       const Vec3 shared = geometry::shared_point(triangles_a[i], triangles_b[j]);
       result.answer = Answer::yes;
@@ -43,7 +43,7 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
   for (TriangleId i = 0; i < triangles_a.size(); ++i) {
     for (TriangleId j = 0; j < triangles_b.size(); ++j) {
-      ++result.stats.triangle_tests;
+      ++result.stats.primitive_tests;
       const ClosestPoints closest = geometry::closest_points(triangles_a[i], triangles_b[j]);
       if (closest.distance >= result.upper) continue;
       result.upper = closest.distance;

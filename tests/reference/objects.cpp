@@ -20,10 +20,10 @@ std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max
   return pairs;
 }
 
-ClosestObjects closest_objects(std::span<const Placed> objects, const DistanceOptions& options) {
+ClosestObjectsResult closest_objects(std::span<const Placed> objects, const DistanceOptions& options) {
   const base::DefaultFloatEnvironment environment;
   base::check_options(options, "limber::reference::closest_objects");
-  ClosestObjects closest;
+  ClosestObjectsResult closest;
   closest.result.status = DistanceStatus::beyond_limit;
   closest.result.lower = options.max_distance;
   closest.result.upper = std::numeric_limits<double>::infinity();

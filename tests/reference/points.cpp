@@ -20,7 +20,7 @@ PointResult closest_point(const Placed& mesh, const Vec3& point, const PointOpti
   PointResult result;
   const std::vector<Triangle> triangles = place(mesh);
   for (TriangleId t = 0; t < triangles.size(); ++t) {
-    ++result.stats.triangle_tests;
+    ++result.stats.primitive_tests;
     const geometry::PointOnTriangle closest = geometry::closest_on(triangles[t], point);
     if (closest.distance > (result.closest ? result.closest->distance : options.max_distance)) continue;
     if (result.closest && closest.distance == result.closest->distance) continue;

@@ -127,6 +127,6 @@ std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max
 /// The closest two of some objects, whose ids are their indices.
 ///
 /// Cost     O(n^2) for n triangles together.
-ClosestObjects closest_objects(std::span<const Placed> objects, const DistanceOptions& options = {});
+ClosestObjectsResult closest_objects(std::span<const Placed> objects, const DistanceOptions& options = {});
 
 }  // namespace limber::reference

@@ -51,7 +51,7 @@ inline void expect_same_point(const PointResult& found, const PointResult& truth
   const SurfacePoint &f = *found.closest, &t = *truth.closest;
   ASSERT_EQ(f.distance, t.distance) << what;
   ASSERT_EQ(f.position, t.position) << what;
-  ASSERT_EQ(f.barycentric, t.barycentric) << what;
+  ASSERT_EQ(f.weights, t.weights) << what;
   ASSERT_EQ(f.feature, t.feature) << what;
   if (names_same_triangle) {
     ASSERT_EQ(f.triangle, t.triangle) << what;

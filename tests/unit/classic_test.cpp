@@ -186,7 +186,7 @@ TEST(ClassicCollide, StopsAtTheFirstPair) {
   const classic::Model a(scenes::thesis_ball()), b(scenes::thesis_ball());
   const CollideResult r = classic::collide({a}, {b});
   ASSERT_TRUE(r.is_yes());
-  EXPECT_LT(r.stats.triangle_tests, 20U);
+  EXPECT_LT(r.stats.primitive_tests, 20U);
   EXPECT_TRUE(intersects(a.mesh().triangle(r.witness->triangle_a), b.mesh().triangle(r.witness->triangle_b)));
 }
 
@@ -196,7 +196,7 @@ TEST(ClassicCollide, FarModelsCostOneTest) {
   EXPECT_FALSE(r.is_yes());
   EXPECT_FALSE(r.witness.has_value());
   EXPECT_EQ(r.stats.node_tests, 1U);
-  EXPECT_EQ(r.stats.triangle_tests, 0U);
+  EXPECT_EQ(r.stats.primitive_tests, 0U);
 }
 
 TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
@@ -206,10 +206,10 @@ TEST(ClassicQueries, DoTheWorkThatWasMeasured) {
   const Transform pose = scenes::ball_over_square(ball.mesh(), 0.1, 0);
   const QueryStats collide = classic::collide({square}, {ball, pose}).stats;
   EXPECT_EQ(collide.node_tests, 6919U);
-  EXPECT_EQ(collide.triangle_tests, 560U);
+  EXPECT_EQ(collide.primitive_tests, 560U);
   const QueryStats distance = classic::distance({square}, {ball, pose}).stats;
   EXPECT_EQ(distance.node_tests, 29055U);
-  EXPECT_EQ(distance.triangle_tests, 5914U);
+  EXPECT_EQ(distance.primitive_tests, 5914U);
 }
 
 TEST(Reference, PicksTheFirstPairInTheOrderOfIds) {
@@ -219,7 +219,7 @@ TEST(Reference, PicksTheFirstPairInTheOrderOfIds) {
   EXPECT_EQ(r.upper, 2);
   EXPECT_EQ(r.witness->triangle_a, 0U);
   EXPECT_EQ(r.witness->triangle_b, 1U);
-  EXPECT_EQ(r.stats.triangle_tests, 4U);
+  EXPECT_EQ(r.stats.primitive_tests, 4U);
 }
 
 }  // namespace

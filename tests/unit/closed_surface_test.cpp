@@ -190,7 +190,7 @@ TEST(ClosedSurface, OfDeformingModelsIsExactWithAnyMotionMargin) {
         const Vec3 point = pose(1.2 * uniform_point(rng));
         const int truth = rational_winding(world, point);
         ASSERT_EQ(surface.winding_number(point, pose), truth) << "model " << i << ", step " << step;
-        ASSERT_NEAR(winding_number({model, pose}, point), truth, 1e-9) << "model " << i;
+        ASSERT_NEAR(generalized_winding_number({model, pose}, point), truth, 1e-9) << "model " << i;
         ASSERT_EQ(surface.signed_distance(point, pose).is_inside, truth != 0) << "model " << i;
       }
     }
@@ -224,7 +224,7 @@ TEST(ClosedSurface, BatchesAreThoseOneByOne) {
   const PointOptions options{.max_distance = 0.5};
   for (const int threads : {1, 2}) {
     std::vector<SignedDistance> results(points.size());
-    oneapi::tbb::task_arena(threads).execute([&] { surface.signed_distances(points, results, pose, options); });
+    oneapi::tbb::task_arena(threads).execute([&] { surface.signed_distance_many(points, results, pose, options); });
     for (std::size_t i = 0; i < points.size(); ++i) {
       const SignedDistance alone = surface.signed_distance(points[i], pose, options);
       ASSERT_EQ(results[i].is_inside, alone.is_inside);
@@ -245,15 +245,16 @@ TEST(ClosedSurface, MisuseIsRefused) {
   EXPECT_THROW(static_cast<void>(surface.winding_number({0, 0x1p201, 0})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(surface.signed_distance({}, {}, {.max_distance = -1})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(surface.signed_distance({}, scaled)), std::invalid_argument);
-  EXPECT_THROW(surface.signed_distances(std::vector<Vec3>(1), results), std::invalid_argument);
-  EXPECT_THROW(surface.signed_distances(std::vector<Vec3>(2, {0, not_a_number, 0}), results), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(winding_number({model}, {not_a_number, 0, 0})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(winding_number({model, scaled}, {})), std::invalid_argument);
+  EXPECT_THROW(surface.signed_distance_many(std::vector<Vec3>(1), results), std::invalid_argument);
+  EXPECT_THROW(surface.signed_distance_many(std::vector<Vec3>(2, {0, not_a_number, 0}), results),
+               std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(generalized_winding_number({model}, {not_a_number, 0, 0})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(generalized_winding_number({model, scaled}, {})), std::invalid_argument);
   const std::vector<VertexId> ids{0};
   const std::vector<Vec3> to{{0, 0, 3}};
   model.move_vertices(ids, to).value();
   EXPECT_THROW(static_cast<void>(surface.contains({})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(winding_number({model}, {})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(generalized_winding_number({model}, {})), std::invalid_argument);
   model.commit();
   EXPECT_TRUE(surface.contains({}));
   model.reset(scenes::ball(8, 5));
@@ -264,18 +265,18 @@ TEST(ClosedSurface, MisuseIsRefused) {
 TEST(WindingNumber, OfOpenSurfacesIsThePartTheyCover) {
   // A square seen from its axis, and a box without its lid.
   const Model square(Mesh::create({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}).value());
-  EXPECT_NEAR(winding_number({square}, {0, 0, -1}), 1.0 / 6, 1e-15);  // the face of a cube from its center
-  EXPECT_NEAR(winding_number({square}, {0, 0, 1}), -1.0 / 6, 1e-15);
-  EXPECT_NEAR(winding_number({square}, {0.25, 0.5, -1e-9}), 0.5, 1e-8);
-  EXPECT_NEAR(winding_number({square}, {0, 0, -1e-9}), 0.5, 1e-6);  // next to an edge
-  EXPECT_NEAR(winding_number({square, {{}, {5, 6, 7}}}, {5, 6, 6}), 1.0 / 6, 1e-15);
-  EXPECT_NEAR(winding_number({square}, {0, 0, -1e60}), 0, 1e-100);
+  EXPECT_NEAR(generalized_winding_number({square}, {0, 0, -1}), 1.0 / 6, 1e-15);  // the face of a cube from its center
+  EXPECT_NEAR(generalized_winding_number({square}, {0, 0, 1}), -1.0 / 6, 1e-15);
+  EXPECT_NEAR(generalized_winding_number({square}, {0.25, 0.5, -1e-9}), 0.5, 1e-8);
+  EXPECT_NEAR(generalized_winding_number({square}, {0, 0, -1e-9}), 0.5, 1e-6);  // next to an edge
+  EXPECT_NEAR(generalized_winding_number({square, {{}, {5, 6, 7}}}, {5, 6, 6}), 1.0 / 6, 1e-15);
+  EXPECT_NEAR(generalized_winding_number({square}, {0, 0, -1e60}), 0, 1e-100);
   const Mesh closed = box_mesh({-1, -1, -1}, {1, 1, 1});
   std::vector<Corners> open = closed.triangles();
   open.erase(open.begin() + 2, open.begin() + 4);
   const Model lidless(Mesh::create(closed.positions(), open).value());
-  EXPECT_NEAR(winding_number({lidless}, {0, 0, 0}), 5.0 / 6, 1e-15);
-  EXPECT_LT(winding_number({lidless}, {0, 0, 3}), 0.1);
+  EXPECT_NEAR(generalized_winding_number({lidless}, {0, 0, 0}), 5.0 / 6, 1e-15);
+  EXPECT_LT(generalized_winding_number({lidless}, {0, 0, 3}), 0.1);
 }
 
 TEST(WindingNumber, IsTheTwinsAndTheSameOnAnyNumberOfThreads) {
@@ -289,7 +290,7 @@ TEST(WindingNumber, IsTheTwinsAndTheSameOnAnyNumberOfThreads) {
     double first = 0;
     for (const int threads : {1, 2}) {
       double found = 0;
-      oneapi::tbb::task_arena(threads).execute([&] { found = winding_number({model}, point); });
+      oneapi::tbb::task_arena(threads).execute([&] { found = generalized_winding_number({model}, point); });
       EXPECT_NEAR(found, truth, 1e-16 * static_cast<double>(count)) << count;
       if (threads == 1) first = found;
       EXPECT_EQ(found, first) << count;

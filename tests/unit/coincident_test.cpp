@@ -31,7 +31,7 @@ TEST(Coincident, TrianglesCostNoMoreThanAFew) {
     const DistanceResult found = distance({a}, {b});
     EXPECT_EQ(found.upper, closest_points(low, high).distance);
     EXPECT_EQ(found.status, DistanceStatus::exact);
-    EXPECT_LT(found.stats.node_tests + found.stats.triangle_tests, 100U);
+    EXPECT_LT(found.stats.node_tests + found.stats.primitive_tests, 100U);
     EXPECT_FALSE(collide({a}, {b}).is_yes());
     EXPECT_TRUE(collide({a}, {a, {{}, {0.1, 0.1, 0}}}).is_yes());
   }
@@ -116,7 +116,7 @@ TEST(Coincident, TrianglesThatPartByLessThanBoundsCanTellAreToldApart) {
   const Model probe(soup({{{-1, -1, little}, {3, -1, little}, {-1, 3, little}}}));
   const auto is_one_again = [&] {
     const DistanceResult found = distance({many}, {probe});
-    return found.upper == little && found.stats.node_tests + found.stats.triangle_tests < 100;
+    return found.upper == little && found.stats.node_tests + found.stats.primitive_tests < 100;
   };
   ASSERT_TRUE(is_one_again());
   const bvh::Tree& tree = tree_of(many);

@@ -105,7 +105,7 @@ TEST(Elements, OfParallelSquares) {
   EXPECT_EQ(found.vertex_face, 12U);
   EXPECT_EQ(found.edge_edge, 21U);
   EXPECT_TRUE(found.is_complete);
-  EXPECT_GE(found.stats.triangle_tests, 33U);
+  EXPECT_GE(found.stats.primitive_tests, 33U);
   std::size_t of_b = 0;
   for (std::size_t i = 0; i < found.vertex_face; ++i) {
     EXPECT_EQ(vertex_face[i].distance, 0.25);

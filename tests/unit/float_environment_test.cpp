@@ -110,24 +110,24 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   std::vector<Vec3> points = s.mesh_b.positions();
   points.resize(std::min<std::size_t>(points.size(), 20));
   std::vector<PointResult> closest(points.size());
-  closest_points(a, points, closest);
+  closest_point_many(a, points, closest);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const PointResult alone = closest_point(a, points[i]), brute = reference::closest_point(mesh_a, points[i]);
     for (const PointResult& r : {closest[i], alone, brute}) {
-      put(r.closest.value().distance), put(r.closest->position.x), put(r.closest->barycentric[1]);
+      put(r.closest.value().distance), put(r.closest->position.x), put(r.closest->weights[1]);
     }
   }
-  put(winding_number(a, points[0])), put(reference::winding_number(mesh_a, points[0]));
+  put(generalized_winding_number(a, points[0])), put(reference::winding_number(mesh_a, points[0]));
   if (const auto surface = ClosedSurface::create(model_a)) {
     std::vector<SignedDistance> distances(points.size());
-    surface->signed_distances(points, distances, s.pose_a);
+    surface->signed_distance_many(points, distances, s.pose_a);
     for (std::size_t i = 0; i < points.size(); ++i) {
       put(distances[i].distance()), put(surface->signed_distance(points[i], s.pose_a).distance());
       put(surface->contains(points[i], s.pose_a)), put(reference::contains(mesh_a, points[i]));
     }
-    const SolidDistance with_itself = signed_distance(*surface, s.pose_a, *surface, s.pose_b);
-    put(with_itself.lower), put(with_itself.upper), put(with_itself.translation.x), put(with_itself.deepest.upper);
-    put(separating_translation(*surface, s.pose_a, *surface, s.pose_b, {1, 2, 0x1p-1070}).upper);
+    const SolidDistance with_itself = signed_distance({*surface, s.pose_a}, {*surface, s.pose_b});
+    put(with_itself.lower), put(with_itself.upper), put(with_itself.translation.x), put(with_itself.deepest.max_depth);
+    put(separating_translation({*surface, s.pose_a}, {*surface, s.pose_b}, {1, 2, 0x1p-1070}).upper);
   }
   put(model_a.bounding_box().high.z), put(model_a.bounding_sphere().radius);
   std::vector<Vec3> positions = s.mesh_a.positions();

@@ -160,14 +160,14 @@ TEST(LikelyPair, TakesAFixedNumberOfStepsWhateverTies) {
 TEST(LikelyPair, IsLookedForLaterThanAPairFromTheLastQuery) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   QueryCache cache;
-  std::uint64_t triangle_tests = 0;
+  std::uint64_t primitive_tests = 0;
   for (std::uint32_t index = 0; index < 16; ++index) {
     const Transform pose = scenes::ball_over_square(ball.mesh(), 64, index);
     const DistanceResult warm = distance({square}, {ball, pose}, {.cache = &cache});
     EXPECT_NEAR(warm.upper, 64, 1e-12);
-    triangle_tests += warm.stats.triangle_tests;
+    primitive_tests += warm.stats.primitive_tests;
   }
-  EXPECT_LE(triangle_tests, 500U);  // 870 without
+  EXPECT_LE(primitive_tests, 500U);  // 870 without
 }
 
 TEST(LikelyPair, IsOfNoHarmWhereItIsWrong) {

@@ -111,21 +111,21 @@ TEST(MovingModel, ThatCrossesAtTheStartIsSaidSo) {
   ASSERT_TRUE(found.witness);
   EXPECT_EQ(found.witness->point_a, found.witness->point_b);
   // No edge of the plate is crossed: an element touches another where the tip leaves the plate.
-  const ImpactResult later = time_of_impact(needle.moving, floor.moving, {.ignores_crossings = true});
+  const ImpactResult later = time_of_impact(needle.moving, floor.moving, {.ignore_crossings = true});
   EXPECT_EQ(later.status, ImpactStatus::contact);
   EXPECT_NEAR(later.upper, 2.0 / 3, 1e-15);
   ASSERT_TRUE(later.elements);
   EXPECT_EQ(later.elements->kind, ElementPair::Kind::vertex_face);
   EXPECT_EQ(later.elements->a, 2U);
   needle.shift({}, {0, 0, 0.5});
-  EXPECT_EQ(time_of_impact(needle.moving, floor.moving, {.ignores_crossings = true}).status, ImpactStatus::clear);
+  EXPECT_EQ(time_of_impact(needle.moving, floor.moving, {.ignore_crossings = true}).status, ImpactStatus::clear);
 }
 
 TEST(MovingModel, ThatTouchesAtTheStartIsSaidSo) {
   Body box(cube()), floor(plate());
   box.shift({0, 0, 0.5}, {0, 0, 1});
-  for (const bool ignores_crossings : {false, true}) {
-    const ImpactResult found = time_of_impact(box.moving, floor.moving, {.ignores_crossings = ignores_crossings});
+  for (const bool ignore_crossings : {false, true}) {
+    const ImpactResult found = time_of_impact(box.moving, floor.moving, {.ignore_crossings = ignore_crossings});
     EXPECT_EQ(found.status, ImpactStatus::initial_contact);
     EXPECT_EQ(found.upper, 0);
   }
@@ -279,9 +279,9 @@ TEST(MovingModel, StopsWhenItsBudgetIsSpent) {
   box.shift({0, 0, 2.5}, {0, 0, -1.5});
   const std::atomic<bool> cancelled{true};
   for (const QueryBudget& budget : {QueryBudget{.max_steps = 0}, QueryBudget{.cancel = &cancelled}}) {
-    for (const bool ignores_crossings : {false, true}) {
+    for (const bool ignore_crossings : {false, true}) {
       const ImpactResult found =
-          time_of_impact(box.moving, floor.moving, {.ignores_crossings = ignores_crossings, .budget = budget});
+          time_of_impact(box.moving, floor.moving, {.ignore_crossings = ignore_crossings, .budget = budget});
       EXPECT_EQ(found.status, ImpactStatus::undecided);
       EXPECT_EQ(found.stopped_by, budget.cancel != nullptr ? StoppedBy::cancel : StoppedBy::max_steps);
       EXPECT_EQ(found.lower, 0);

@@ -209,7 +209,7 @@ TEST(PairBudget, WhoseDeadlineHasPassedEndsSoon) {
   const PairCount count = contacts({sheet}, {other}, 0.5, {}, {.budget = passed});
   EXPECT_FALSE(count.is_complete);
   EXPECT_EQ(count.stopped_by, StoppedBy::deadline);
-  EXPECT_LT(count.stats.triangle_tests, 200U);
+  EXPECT_LT(count.stats.primitive_tests, 200U);
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(1));
   EXPECT_EQ(self_contacts(sheet, 0.5, {}, {.budget = passed}).stopped_by, StoppedBy::deadline);
   std::vector<Contact> room(1000);

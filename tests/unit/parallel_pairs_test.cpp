@@ -57,11 +57,11 @@ void check(const Find& find, std::size_t& total) {
   const PairCount count = find([&](const Pair& p) { return serial.push_back(p), true; }, PairOptions{});
   on_threads([&] {
     const PairCount in_parallel =
-        find([&](const Pair& p) { return parallel.push_back(p), true; }, PairOptions{.is_parallel = true});
+        find([&](const Pair& p) { return parallel.push_back(p), true; }, PairOptions{.parallel = true});
     EXPECT_EQ(in_parallel.count, count.count);
     EXPECT_TRUE(in_parallel.is_complete);
     EXPECT_EQ(in_parallel.stats.node_tests, count.stats.node_tests);
-    EXPECT_EQ(in_parallel.stats.triangle_tests, count.stats.triangle_tests);
+    EXPECT_EQ(in_parallel.stats.primitive_tests, count.stats.primitive_tests);
   });
   EXPECT_TRUE(are_same(serial, parallel));
   total += serial.size();
@@ -73,10 +73,10 @@ void check_elements(const Find& find, std::size_t& total) {
     std::vector<VertexFacePair> vertex_face;
     std::vector<EdgeEdgePair> edge_edge;
   };
-  const auto ask = [&](Lists& lists, bool is_parallel) {
+  const auto ask = [&](Lists& lists, bool parallel) {
     return find([&](const VertexFacePair& p) { return lists.vertex_face.push_back(p), true; },
                 [&](const EdgeEdgePair& p) { return lists.edge_edge.push_back(p), true; },
-                ElementPairOptions{.is_parallel = is_parallel});
+                ElementPairOptions{.parallel = parallel});
   };
   Lists serial, parallel;
   const ElementPairCount count = ask(serial, false);
@@ -85,7 +85,7 @@ void check_elements(const Find& find, std::size_t& total) {
     EXPECT_EQ(in_parallel.vertex_face, count.vertex_face);
     EXPECT_EQ(in_parallel.edge_edge, count.edge_edge);
     EXPECT_EQ(in_parallel.stats.node_tests, count.stats.node_tests);
-    EXPECT_EQ(in_parallel.stats.triangle_tests, count.stats.triangle_tests);
+    EXPECT_EQ(in_parallel.stats.primitive_tests, count.stats.primitive_tests);
   });
   EXPECT_TRUE(are_same(serial.vertex_face, parallel.vertex_face));
   EXPECT_TRUE(are_same(serial.edge_edge, parallel.edge_edge));
@@ -158,10 +158,10 @@ TEST(ParallelPairs, AreVisitedByTheThreadThatAsksUntilItStops) {
       EXPECT_EQ(std::this_thread::get_id(), asking);
       return ++seen < 7;
     };
-    const PairCount count = visit_self_contacts(sheet, 0.2, visit, {.is_parallel = true});
+    const PairCount count = visit_self_contacts(sheet, 0.2, visit, {.parallel = true});
     EXPECT_EQ(count.count, 7U);
     EXPECT_FALSE(count.is_complete);
-    const ElementPairCount elements = visit_self_element_pairs(sheet, 0.2, visit, visit, {.is_parallel = true});
+    const ElementPairCount elements = visit_self_element_pairs(sheet, 0.2, visit, visit, {.parallel = true});
     EXPECT_EQ(elements.vertex_face, 1U);
     EXPECT_EQ(elements.edge_edge, 0U);
     EXPECT_FALSE(elements.is_complete);
@@ -176,11 +176,11 @@ TEST(ParallelPairs, PassOnWhatAFilterThrowsAndKeepToBudgets) {
       if (++asked > 100) throw std::runtime_error("enough");
       return true;
     };
-    EXPECT_THROW(self_contacts(sheet, 0.2, {}, {.filter = throws, .is_parallel = true}), std::runtime_error);
+    EXPECT_THROW(self_contacts(sheet, 0.2, {}, {.filter = throws, .parallel = true}), std::runtime_error);
     const auto is_even = [](TriangleId a, TriangleId b) { return (a + b) % 2 == 0; };
-    EXPECT_EQ(self_contacts(sheet, 0.2, {}, {.filter = is_even, .is_parallel = true}).count,
+    EXPECT_EQ(self_contacts(sheet, 0.2, {}, {.filter = is_even, .parallel = true}).count,
               self_contacts(sheet, 0.2, {}, {.filter = is_even}).count);
-    const PairCount some = self_contacts(sheet, 0.2, {}, {.budget = {.max_steps = 50}, .is_parallel = true});
+    const PairCount some = self_contacts(sheet, 0.2, {}, {.budget = {.max_steps = 50}, .parallel = true});
     EXPECT_EQ(some.stopped_by, StoppedBy::max_steps);
     EXPECT_EQ(some.count, self_contacts(sheet, 0.2, {}, {.budget = {.max_steps = 50}}).count);
   });

@@ -138,8 +138,8 @@ TEST(PathImpact, OfPointsEnds) {
   const auto point_at = [](const Vec3& p) { return Model(Mesh::create({p}, {{0, 0, 0}}).value()); };
   const Model a = point_at({0, 0, 0}), b = point_at({1, 2, 0.3});
   const RigidMotion flies({{}, {-1, 0.3, 0}}, {{}, {3, 0.7, 0.1}});
-  const PathDistance nearest = least_distance(a, flies, b, {});
-  EXPECT_LE(nearest.distances, 300U);
+  const PathDistance nearest = min_distance(a, flies, b, {});
+  EXPECT_LE(nearest.distance_count, 300U);
   EXPECT_LE(nearest.upper - nearest.lower, 0x1p-10 * nearest.upper);
   EXPECT_EQ(time_of_impact(a, flies, b, {}).status, ImpactStatus::clear);
   const RigidMotion hits({{}, {-1, 2, 0.3}}, {{}, {2, 2, 0.3}});
@@ -156,16 +156,16 @@ TEST(PathImpact, OfABallThatFallsOnAPlate) {
   EXPECT_NEAR(found.time, 0.5, 1e-5);
   ASSERT_TRUE(found.witness);
   EXPECT_NEAR(length(found.witness->point_b - Vec3{0.1, 0.2, 0}), 0, 1e-5);
-  EXPECT_LE(found.distances, 18U);
+  EXPECT_LE(found.distance_count, 18U);
   const PathImpact apart = time_of_impact(ball, falls, plate, {}, {.min_separation = 1});
   EXPECT_NEAR(apart.time, 0.375, 1e-5);
   EXPECT_LE(apart.time, 0.375);
   EXPECT_EQ(time_of_impact(ball, falls, plate, {}, {.max_time = 0.49}).status, ImpactStatus::clear);
-  const PathDistance nearest = least_distance(ball, falls, plate, {}, {.max_time = 0.25});
+  const PathDistance nearest = min_distance(ball, falls, plate, {}, {.max_time = 0.25});
   EXPECT_NEAR(nearest.upper, 2, 1e-12);
   EXPECT_EQ(nearest.time, 0.25);
   EXPECT_LE(nearest.lower, 2);
-  EXPECT_EQ(least_distance(ball, falls, plate, {}).upper, 0);
+  EXPECT_EQ(min_distance(ball, falls, plate, {}).upper, 0);
 }
 
 TEST(PathImpact, UsesWhatADistanceSaysOfTheTimeBeforeIt) {
@@ -174,7 +174,7 @@ TEST(PathImpact, UsesWhatADistanceSaysOfTheTimeBeforeIt) {
   const RigidMotion passes({{}, {-2, 0, 1.05}}, {{}, {2, 0, 1.05}});
   const PathImpact found = time_of_impact(ball, passes, plate, {});
   EXPECT_EQ(found.status, ImpactStatus::clear);
-  EXPECT_LE(found.distances, 60U);  // plain advancement: 4 / 0.05
+  EXPECT_LE(found.distance_count, 60U);  // plain advancement: 4 / 0.05
 }
 
 TEST(PathImpact, AtTheStartIsSaidSo) {
@@ -184,7 +184,7 @@ TEST(PathImpact, AtTheStartIsSaidSo) {
   EXPECT_EQ(found.time, 0);
   const PathImpact still = time_of_impact(ball, {}, ball, Transform{{}, {3, 0, 0}});
   EXPECT_EQ(still.status, ImpactStatus::clear);
-  EXPECT_EQ(still.distances, 1U);
+  EXPECT_EQ(still.distance_count, 1U);
 }
 
 TEST(PathImpact, DoesNotTunnel) {
@@ -208,10 +208,10 @@ TEST(PathImpact, StopsWhenItsBudgetIsSpent) {
   EXPECT_LT(one.time, 0.4);
   EXPECT_EQ(time_of_impact(ball, flies, ball, {}, {.budget = {.cancel = &cancelled}}).stopped_by, StoppedBy::cancel);
   const RigidMotion passes({{}, {9, 3, 0}}, {{}, {-9, 3, 0}});
-  const PathDistance few = least_distance(ball, passes, ball, {}, {.budget = {.max_steps = 3}});
+  const PathDistance few = min_distance(ball, passes, ball, {}, {.budget = {.max_steps = 3}});
   EXPECT_EQ(few.stopped_by, StoppedBy::max_steps);
-  EXPECT_EQ(few.distances, 3U);
-  EXPECT_GT(least_distance(ball, passes, ball, {}).lower, few.lower);
+  EXPECT_EQ(few.distance_count, 3U);
+  EXPECT_GT(min_distance(ball, passes, ball, {}).lower, few.lower);
 }
 
 /// The least distance at many times, and the time before which it is never below a separation.
@@ -251,12 +251,12 @@ TEST(PathImpact, IsNotLaterThanSampledContacts) {
       ++contacts;
       EXPECT_LE(distance({a, of_a.at(found.time)}, {b, of_b.at(found.time)}).upper, separation + 1e-3 + 1e-12);
     }
-    const PathDistance nearest = least_distance(a, of_a, b, of_b, options);
+    const PathDistance nearest = min_distance(a, of_a, b, of_b, options);
     EXPECT_LE(nearest.lower, truth.least + 1e-12);
     EXPECT_LE(nearest.lower, nearest.upper);
     EXPECT_LE(nearest.upper - nearest.lower, 1e-3);
     EXPECT_NEAR(distance({a, of_a.at(nearest.time)}, {b, of_b.at(nearest.time)}).upper, nearest.upper, 1e-3);
-    most = std::max(most, found.distances);
+    most = std::max(most, found.distance_count);
   }
   EXPECT_GT(contacts, 15);
   EXPECT_GT(clear, 20);
@@ -273,7 +273,7 @@ TEST(PathImpact, IsAsExactAsItGetsWithAnErrorOfZero) {
   EXPECT_GT(gap({}), 1e-8);
   EXPECT_LT(gap({.distance_error = 0}), 1e-11);
   const auto width = [&](const PathOptions& options) {
-    const PathDistance found = least_distance(ball, falls, wall, stands, options);
+    const PathDistance found = min_distance(ball, falls, wall, stands, options);
     return found.upper - found.lower;
   };
   EXPECT_GT(width({.max_time = 0.7}), 1e-4);
@@ -289,7 +289,7 @@ TEST(PathImpact, OfAnyPathNeedsItsSpeed) {
   const PathImpact found = time_of_impact(ball, falling, wall, still);
   EXPECT_EQ(found.status, ImpactStatus::contact);
   EXPECT_NEAR(found.time, std::sqrt(0.8), 1e-5);
-  EXPECT_EQ(least_distance(ball, falling, wall, still).upper, 0);
+  EXPECT_EQ(min_distance(ball, falling, wall, still).upper, 0);
 }
 
 TEST(PathImpact, IsNotGuessedFromHowTheDistanceChanged) {
@@ -323,8 +323,8 @@ TEST(PathMisuse, IsRefused) {
     const RigidMotion still;
     EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, still, ball, still, wrong)); },
                            {"limber::time_of_impact", what}));
-    EXPECT_TRUE(is_refused([&] { static_cast<void>(least_distance(ball, still, ball, still, wrong)); },
-                           {"limber::least_distance", what}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(min_distance(ball, still, ball, still, wrong)); },
+                           {"limber::min_distance", what}));
   }
   const auto stay = [](double) { return Transform{}; };
   const RigidPath fast{stay, std::numeric_limits<double>::max()};
@@ -334,8 +334,8 @@ TEST(PathMisuse, IsRefused) {
     const RigidPath path{stay, speed};
     EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, path, ball, path)); },
                            {"limber::time_of_impact", "speed"}));
-    EXPECT_TRUE(is_refused([&] { static_cast<void>(least_distance(ball, path, ball, path)); },
-                           {"limber::least_distance", "speed"}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(min_distance(ball, path, ball, path)); },
+                           {"limber::min_distance", "speed"}));
   }
 }
 

@@ -29,8 +29,8 @@ struct ModelOfSolid {
 };
 
 SolidDistance signed_distance_of(const ModelOfSolid& a, const ModelOfSolid& b, const Transform& pose = {},
-                                 const PenetrationOptions& options = {}) {
-  return signed_distance(a.surface, {}, b.surface, pose, options);
+                                 const SolidDistanceOptions& options = {}) {
+  return signed_distance({a.surface}, {b.surface, pose}, options);
 }
 Transform placed_at(const Vec3& place) { return {{}, place}; }
 
@@ -101,9 +101,9 @@ TEST(Penetration, OfBoxesIsWhatTheirSidesSay) {
 TEST(Penetration, OfBarsThatCrossIsKnownThoughNoVertexIsInside) {
   const ModelOfSolid bar(box_mesh({-5, -0.25, -0.25}, {5, 0.25, 0.25}));
   const Mat3 turned{{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
-  const DeepestVertices deepest = deepest_vertices(bar.surface, {}, bar.surface, {turned, {}});
+  const DeepestVertices deepest = deepest_vertices({bar.surface}, {bar.surface, {turned, {}}});
   EXPECT_FALSE(deepest.of_a || deepest.of_b);
-  EXPECT_EQ(deepest.upper, 0);
+  EXPECT_EQ(deepest.max_depth, 0);
   expect_depth(signed_distance_of(bar, bar, {turned, {}}), 0.5);
   expect_depth(signed_distance_of(bar, bar, {turned, {1, 1, 0.375}}), 0.125);
 }
@@ -128,17 +128,17 @@ TEST(Penetration, NextToAWallDoesNotFollowIt) {
   const double depth = 0x1p-6;
   const Vec3 place = transpose(turned) * Vec3{wall - 1, -0.5, -depth};
   const SeparatingTranslation up =
-      separating_translation(l_shape.surface, {}, box.surface, {transpose(turned), place}, {0, 0, 1});
+      separating_translation({l_shape.surface}, {box.surface, {transpose(turned), place}}, {0, 0, 1});
   EXPECT_NEAR(up.upper, 4 + depth, 1e-10);  // it slides along the wall
   const SolidDistance found =
-      signed_distance(l_shape.surface, {}, box.surface, {transpose(turned), place}, {.relative_error = 0});
+      signed_distance({l_shape.surface}, {box.surface, {transpose(turned), place}}, {.relative_error = 0});
   expect_depth(found, depth, 1e-5);
 }
 
 TEST(SeparatingTranslation, OfBoxes) {
   const ModelOfSolid box(box_mesh({0, 0, 0}, {1, 1, 1})), large(box_mesh({-4, -4, -4}, {4, 4, 4}));
   const auto along = [](const ModelOfSolid& a, const ModelOfSolid& b, const Vec3& place, const Vec3& d) {
-    const SeparatingTranslation found = separating_translation(a.surface, {}, b.surface, placed_at(place), d);
+    const SeparatingTranslation found = separating_translation({a.surface}, {b.surface, placed_at(place)}, d);
     EXPECT_NEAR(length(found.direction), 1, 1e-15);
     EXPECT_NEAR(found.lower, found.upper, 1e-11);
     EXPECT_LE(found.lower, found.upper);
@@ -156,7 +156,7 @@ TEST(SeparatingTranslation, OfBoxes) {
     EXPECT_NEAR(along(box, box, {0.75, 0.5, 0.5}, {size, size, 0}), 0.25 * std::sqrt(2), 1e-11) << size;
   }
   const SeparatingTranslation found =
-      separating_translation(box.surface, {}, box.surface, placed_at({0.75, 0.5, 0.5}), {1, 0, 0});
+      separating_translation({box.surface}, {box.surface, placed_at({0.75, 0.5, 0.5})}, {1, 0, 0});
   ASSERT_TRUE(found.witness);
   EXPECT_EQ(found.witness->point_a.x, 1);
   EXPECT_EQ(found.witness->point_b.x, 0.75);
@@ -175,7 +175,7 @@ TEST(Penetration, ComesNearerToTheTruthAsMeshesAreRefined) {
     EXPECT_LT(of_balls, last_of_balls) << n;
     EXPECT_LT(of_rings, last_of_rings) << n;
     last_of_balls = of_balls, last_of_rings = of_rings;
-    EXPECT_LE(rings.deepest.upper, -rings.lower);
+    EXPECT_LE(rings.deepest.max_depth, -rings.lower);
   }
   EXPECT_LT(last_of_balls, 0.01 * 0.3);
   EXPECT_LT(last_of_rings, 0.02 * 0.1);
@@ -189,12 +189,12 @@ TEST(Penetration, OfSolidsAtAnyScaleAndPlace) {
     const SolidDistance found = signed_distance_of(solid, solid, pose);
     EXPECT_NEAR(found.lower / scale, -0.34, 0.06) << scale;
     EXPECT_LE(found.lower, found.upper);
-    EXPECT_GT(found.deepest.upper, 0) << scale;
+    EXPECT_GT(found.deepest.max_depth, 0) << scale;
   }
   const ModelOfSolid solid(ball);
   const Vec3 offset{0x1p30, -0x1p31, 0};
   const SolidDistance far =
-      signed_distance(solid.surface, placed_at(offset), solid.surface, placed_at(offset + Vec3{1.5, 0.25, 0.5}));
+      signed_distance({solid.surface, placed_at(offset)}, {solid.surface, placed_at(offset + Vec3{1.5, 0.25, 0.5})});
   const SolidDistance near = signed_distance_of(solid, solid, placed_at({1.5, 0.25, 0.5}));
   EXPECT_NEAR(far.lower, near.lower, 0.01 * -near.lower);
   EXPECT_LE(far.lower, far.upper);
@@ -222,14 +222,14 @@ TEST(DeepestVertices, OfDeformingModelsWithAMotionMargin) {
     for (int step = 0; step < 3; ++step) {
       deform(moving, [&](const Vec3& p) { return p + 0.1 * uniform_point(rng); });
       const Transform pose = random_pose(rng, 1);
-      const DeepestVertices found = deepest_vertices(surface, pose, ring.surface, {});
+      const DeepestVertices found = deepest_vertices({surface, pose}, {ring.surface});
       const auto of_a = deepest_by_loop(moving.mesh(), pose, ring.surface, {});
       const auto of_b = deepest_by_loop(ring.model.mesh(), {}, surface, pose);
       ASSERT_EQ(found.of_a.has_value(), of_a.has_value());
       ASSERT_EQ(found.of_b.has_value(), of_b.has_value());
       ASSERT_EQ(found.of_a ? found.of_a->vertex : no_id, of_a ? of_a->vertex : no_id);
       ASSERT_EQ(found.of_b ? found.of_b->vertex : no_id, of_b ? of_b->vertex : no_id);
-      const SolidDistance both = signed_distance(surface, pose, ring.surface, {});
+      const SolidDistance both = signed_distance({surface, pose}, {ring.surface});
       const Transform away = placed_at(both.translation);
       ASSERT_TRUE(both.are_apart() || collide({moving, pose}, {ring.model, away}).is_no());
     }
@@ -245,12 +245,12 @@ TEST(DeepestVertices, MayHaveLeftTheirBoundsByTheMotionMargin) {
     spiked.move_vertices(std::vector<VertexId>{v}, std::vector<Vec3>{{1.75, 0, 0}}).value();
     if (home.x < 0.75) spiked.rebuild();  // otherwise the margin absorbs the move
     spiked.commit();
-    const DeepestVertices found = deepest_vertices(surface, {}, plate.surface, {});
+    const DeepestVertices found = deepest_vertices({surface}, {plate.surface});
     ASSERT_TRUE(found.of_a);
     EXPECT_EQ(found.of_a->vertex, v);
     EXPECT_EQ(found.of_a->depth, 0.5);
-    EXPECT_NEAR(separating_translation(surface, {}, plate.surface, {}, {1, 0, 0}).upper, 0.5, 1e-11);
-    EXPECT_NEAR(signed_distance(surface, {}, plate.surface, {}).upper, -0.5, 1e-11);
+    EXPECT_NEAR(separating_translation({surface}, {plate.surface}, {1, 0, 0}).upper, 0.5, 1e-11);
+    EXPECT_NEAR(signed_distance({surface}, {plate.surface}).upper, -0.5, 1e-11);
     spiked.move_vertices(std::vector<VertexId>{v}, std::vector<Vec3>{home}).value();
     spiked.commit();
   }
@@ -260,7 +260,7 @@ TEST(DeepestVertices, AreNotThoseThatNoTriangleUses) {
   std::vector<Vec3> positions = box_corners({0, 0, 0}, {1, 1, 1});
   positions.insert(positions.begin(), Vec3{0.5, 0.5, 2});
   const ModelOfSolid box(small_mesh(positions, box_triangles(1))), large(box_mesh({-4, -4, 0.75}, {4, 4, 4}));
-  const DeepestVertices found = deepest_vertices(box.surface, {}, large.surface, {});
+  const DeepestVertices found = deepest_vertices({box.surface}, {large.surface});
   ASSERT_TRUE(found.of_a);
   EXPECT_EQ(found.of_a->vertex, 5U);  // the first of four that are equally deep
   EXPECT_EQ(found.of_a->depth, 0.25);
@@ -270,33 +270,33 @@ TEST(DeepestVertices, AreNotThoseThatNoTriangleUses) {
 TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
   const ModelOfSolid ball(scenes::ball(24, 16)), ring(scenes::ring(24, 12, 0.3));
   const Transform pose{{}, {0.5, 0.3, 0.4}};
-  const SolidDistance all = signed_distance(ball.surface, {}, ring.surface, pose);
-  const DeepestVertices deepest = deepest_vertices(ball.surface, {}, ring.surface, pose);
-  const SeparatingTranslation translation = separating_translation(ball.surface, {}, ring.surface, pose, {1, 2, 3});
+  const SolidDistance all = signed_distance({ball.surface}, {ring.surface, pose});
+  const DeepestVertices deepest = deepest_vertices({ball.surface}, {ring.surface, pose});
+  const SeparatingTranslation translation = separating_translation({ball.surface}, {ring.surface, pose}, {1, 2, 3});
   EXPECT_EQ(all.stopped_by, StoppedBy::nothing);
   for (const std::uint64_t steps : {0, 1, 2, 5, 10, 20, 50, 100, 200, 400, 1000, 100'000}) {
     const QueryBudget budget{.max_steps = steps};
-    const DeepestVertices some = deepest_vertices(ball.surface, {}, ring.surface, pose, {budget});
-    EXPECT_GE(some.upper * (1 + 1e-12), deepest.upper);
-    EXPECT_LE(some.upper, 2);
-    for (const auto& vertex : {some.of_a, some.of_b}) EXPECT_LE(vertex ? vertex->depth : 0, deepest.upper);
+    const DeepestVertices some = deepest_vertices({ball.surface}, {ring.surface, pose}, {budget});
+    EXPECT_GE(some.max_depth * (1 + 1e-12), deepest.max_depth);
+    EXPECT_LE(some.max_depth, 2);
+    for (const auto& vertex : {some.of_a, some.of_b}) EXPECT_LE(vertex ? vertex->depth : 0, deepest.max_depth);
     const SeparatingTranslation part =
-        separating_translation(ball.surface, {}, ring.surface, pose, {1, 2, 3}, {budget});
+        separating_translation({ball.surface}, {ring.surface, pose}, {1, 2, 3}, {budget});
     EXPECT_GE(part.upper, translation.upper);
     EXPECT_LE(part.lower, translation.upper);
-    const SolidDistance cut = signed_distance(ball.surface, {}, ring.surface, pose, {.budget = budget});
+    const SolidDistance cut = signed_distance({ball.surface}, {ring.surface, pose}, {.budget = budget});
     EXPECT_LE(cut.lower, all.upper) << steps;
     EXPECT_GE(cut.upper, all.lower) << steps;
     EXPECT_TRUE(collide({ball.model}, {ring.model, {{}, pose.translation + cut.translation}}).is_no()) << steps;
     EXPECT_EQ(cut.stopped_by, steps < 100'000 ? StoppedBy::max_steps : StoppedBy::nothing) << steps;
   }
   const std::atomic<bool> cancelled{true};
-  const SolidDistance none = signed_distance(ball.surface, {}, ring.surface, pose, {.budget = {.cancel = &cancelled}});
+  const SolidDistance none = signed_distance({ball.surface}, {ring.surface, pose}, {.budget = {.cancel = &cancelled}});
   EXPECT_EQ(none.stopped_by, StoppedBy::cancel);
   EXPECT_LE(none.lower, all.upper);
   EXPECT_GE(none.upper, all.upper);
   const QueryBudget late{.deadline = std::chrono::steady_clock::now() - std::chrono::seconds(1)};
-  EXPECT_EQ(signed_distance(ball.surface, {}, ring.surface, pose, {.budget = late}).stopped_by, StoppedBy::deadline);
+  EXPECT_EQ(signed_distance({ball.surface}, {ring.surface, pose}, {.budget = late}).stopped_by, StoppedBy::deadline);
 }
 
 TEST(PenetrationMeter, IsSpentOnceAQueryBelowItWasStopped) {
@@ -334,8 +334,8 @@ TEST(Penetration, OfBodiesThatOnlyTouchEndsAtZeroWithoutASign) {
 TEST(Penetration, EndsAtTheAskedError) {
   const ModelOfSolid ball(scenes::ball(24, 16)), ring(scenes::ring(24, 12, 0.3));
   const Transform pose{{}, {0.5, 0.3, 0.4}};
-  const SolidDistance rough = signed_distance(ball.surface, {}, ring.surface, pose, {.relative_error = 100});
-  const SolidDistance fine = signed_distance(ball.surface, {}, ring.surface, pose, {.relative_error = 0});
+  const SolidDistance rough = signed_distance({ball.surface}, {ring.surface, pose}, {.relative_error = 100});
+  const SolidDistance fine = signed_distance({ball.surface}, {ring.surface, pose}, {.relative_error = 0});
   EXPECT_LE(rough.stats.node_tests, fine.stats.node_tests);
   EXPECT_LE(rough.lower, fine.lower);
   EXPECT_EQ(rough.upper, fine.upper);
@@ -348,21 +348,21 @@ TEST(Penetration, MisuseIsRefused) {
   const Transform stretched{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}};
   const ClosedSurface &a = ball.surface, &b = box.surface;
   const auto expect_refusal = [&](const Transform& pose) {
-    EXPECT_THROW(static_cast<void>(deepest_vertices(a, pose, b, {})), std::invalid_argument);
-    EXPECT_THROW(static_cast<void>(separating_translation(a, pose, b, {}, {1, 0, 0})), std::invalid_argument);
-    EXPECT_THROW(static_cast<void>(signed_distance(a, pose, b, {})), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(deepest_vertices({a, pose}, {b})), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(separating_translation({a, pose}, {b}, {1, 0, 0})), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(signed_distance({a, pose}, {b})), std::invalid_argument);
   };
   expect_refusal(stretched);
   for (const Vec3& d : {Vec3{}, Vec3{quiet_nan, 0, 0}, Vec3{0, HUGE_VAL, 0}}) {
-    EXPECT_THROW(static_cast<void>(separating_translation(a, {}, b, {}, d)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(separating_translation({a}, {b}, d)), std::invalid_argument);
   }
   for (const double error : {-1.0, quiet_nan, HUGE_VAL}) {
-    EXPECT_THROW(static_cast<void>(signed_distance(a, {}, b, {}, {.relative_error = error})), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(signed_distance({a}, {b}, {.relative_error = error})), std::invalid_argument);
   }
   ball.model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 3}}).value();
   expect_refusal({});
   ball.model.commit();
-  EXPECT_NO_THROW(static_cast<void>(signed_distance(a, {}, b, {})));
+  EXPECT_NO_THROW(static_cast<void>(signed_distance({a}, {b})));
   ball.model.reset(scenes::ball(8, 5));
   expect_refusal({});
 }

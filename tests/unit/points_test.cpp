@@ -20,6 +20,7 @@
 #include "support/exact_distance.h"
 #include "support/random_geometry.h"
 #include "support/random_points.h"
+#include "unit/refusals.h"
 #include "unit/shapes.h"
 
 namespace limber::testing {
@@ -36,7 +37,7 @@ TEST(Points, KnownAnswers) {
   EXPECT_EQ(above.position, (Vec3{0.25, 0.5, 1}));
   EXPECT_EQ(above.triangle, 2U);
   EXPECT_EQ(above.feature, (Feature{FeatureKind::face, 0}));
-  EXPECT_EQ(above.barycentric, (std::array<double, 3>{0.25, 0.25, 0.5}));
+  EXPECT_EQ(above.weights, (Vec3{0.25, 0.25, 0.5}));
   const SurfacePoint corner = ask({-2, -3, -6});
   EXPECT_EQ(corner.distance, 7);
   EXPECT_EQ(corner.position, (Vec3{0, 0, 0}));
@@ -60,7 +61,7 @@ TEST(Points, BeyondTheLimitAreNotFound) {
   EXPECT_TRUE(closest_point({model}, {0.25, 0.25, 1}, {.max_distance = 0}).closest.has_value());
   const PointResult far = closest_point({model}, {0x1p199, 0, 0}, {.max_distance = 1});
   EXPECT_FALSE(far.closest.has_value());
-  EXPECT_LT(far.stats.node_tests + far.stats.triangle_tests, 20U);
+  EXPECT_LT(far.stats.node_tests + far.stats.primitive_tests, 20U);
 }
 
 TEST(Points, CostLittleHoweverFarAway) {
@@ -71,7 +72,7 @@ TEST(Points, CostLittleHoweverFarAway) {
       const Vec3 point = std::ldexp(1.5, exponent) * uniform_point(rng) + Vec3{0, 0, std::ldexp(1.0, exponent)};
       const PointResult found = closest_point({model}, point);
       EXPECT_LT(found.stats.node_tests, 600U) << exponent;
-      EXPECT_LT(found.stats.triangle_tests, 150U) << exponent;
+      EXPECT_LT(found.stats.primitive_tests, 150U) << exponent;
     }
   }
 }
@@ -81,7 +82,7 @@ TEST(Points, OfCoincidentTrianglesCostNoMoreThanOfAFew) {
   const Model model(soup(std::vector<Triangle>(8000, t)));
   const PointResult found = closest_point({model}, {0.3, 0.3, 2});
   EXPECT_EQ(found.closest->distance, 2);
-  EXPECT_LT(found.stats.node_tests + found.stats.triangle_tests, 100U);
+  EXPECT_LT(found.stats.node_tests + found.stats.primitive_tests, 100U);
 }
 
 TEST(Points, InBatchesAreThoseOneByOneOnAnyNumberOfThreads) {
@@ -95,12 +96,12 @@ TEST(Points, InBatchesAreThoseOneByOneOnAnyNumberOfThreads) {
     for (const int threads : {1, 2}) {
       // What was in the results before does not matter.
       std::vector<PointResult> results(count, closest_point({model}, {}));
-      oneapi::tbb::task_arena(threads).execute([&] { closest_points({model, pose}, points, results, options); });
+      oneapi::tbb::task_arena(threads).execute([&] { closest_point_many({model, pose}, points, results, options); });
       for (std::size_t i = 0; i < count; ++i) {
         const PointResult alone = closest_point({model, pose}, points[i], options);
         expect_same_point(results[i], alone, std::to_string(i));
         ASSERT_EQ(results[i].stats.node_tests, alone.stats.node_tests);
-        ASSERT_EQ(results[i].stats.triangle_tests, alone.stats.triangle_tests);
+        ASSERT_EQ(results[i].stats.primitive_tests, alone.stats.primitive_tests);
       }
     }
   }
@@ -113,7 +114,7 @@ TEST(Points, MisuseIsRefusedAndWritesNothing) {
   std::vector<PointResult> results(100);
   for (const double bad : {no_number, -1.0, -no_limit}) {
     EXPECT_THROW(static_cast<void>(closest_point({model}, {}, {.max_distance = bad})), std::invalid_argument);
-    EXPECT_THROW(closest_points({model}, points, results, {.max_distance = bad}), std::invalid_argument);
+    EXPECT_THROW(closest_point_many({model}, points, results, {.max_distance = bad}), std::invalid_argument);
     EXPECT_THROW(static_cast<void>(reference::closest_point(mesh, {}, {.max_distance = bad})), std::invalid_argument);
   }
   for (const double bad : {no_number, no_limit, 0x1p201}) {
@@ -123,12 +124,12 @@ TEST(Points, MisuseIsRefusedAndWritesNothing) {
       EXPECT_THROW(static_cast<void>(closest_point({model}, point)), std::invalid_argument);
       EXPECT_THROW(static_cast<void>(reference::closest_point(mesh, point)), std::invalid_argument);
       points[99] = point;
-      EXPECT_THROW(closest_points({model}, points, results), std::invalid_argument);
+      EXPECT_TRUE(is_refused([&] { closest_point_many({model}, points, results); }, {"points[99]"}));
     }
   }
   EXPECT_FALSE(results[0].closest.has_value());
   points.pop_back();
-  EXPECT_THROW(closest_points({model}, points, results), std::invalid_argument);
+  EXPECT_THROW(closest_point_many({model}, points, results), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(closest_point({model, {{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}}}, {})),
                std::invalid_argument);
   const std::vector<VertexId> ids{0};

@@ -35,7 +35,7 @@ TEST(QueryCache, OfLargerModelsDoesNotMisleadQueriesOfSmallerOnes) {
     Access::impl(cache).triangle_a = last, Access::impl(cache).triangle_b = last;
     const DistanceResult cached = distance({*a}, {*b}, {.cache = &cache});
     EXPECT_EQ(cached.upper, fresh.upper);
-    EXPECT_EQ(cached.stats.triangle_tests, fresh.stats.triangle_tests);
+    EXPECT_EQ(cached.stats.primitive_tests, fresh.stats.primitive_tests);
     Access::impl(cache).triangle_a = last, Access::impl(cache).triangle_b = last;
     EXPECT_EQ(collide({*a}, {*b}, {.cache = &cache}).is_yes(), fresh.upper == 0);
   }
@@ -115,7 +115,7 @@ TEST(SelfCache, FindsTheSameContactAtOnce) {
   const CollideResult warm = self_collide(model, {.cache = &cache});
   ASSERT_TRUE(warm.is_yes());
   EXPECT_EQ(warm.stats.node_tests, 0U);
-  EXPECT_EQ(warm.stats.triangle_tests, 1U);
+  EXPECT_EQ(warm.stats.primitive_tests, 1U);
   EXPECT_EQ(warm.witness->triangle_a, cold.witness->triangle_a);
   EXPECT_EQ(warm.witness->triangle_b, cold.witness->triangle_b);
   const DistanceResult distance = self_distance(model, {.cache = &cache});

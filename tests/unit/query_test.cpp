@@ -37,7 +37,7 @@ TYPED_TEST(Query, OfSingleTrianglesIsThatOfThePrimitive) {
   EXPECT_EQ(r.status, DistanceStatus::exact);
   EXPECT_EQ(r.witness->triangle_a, 0U);
   EXPECT_EQ(r.witness->triangle_b, 0U);
-  EXPECT_EQ(r.stats.triangle_tests, 1U);
+  EXPECT_EQ(r.stats.primitive_tests, 1U);
 }
 
 TYPED_TEST(Query, TakesTrianglesAsSurfacesNotSolids) {

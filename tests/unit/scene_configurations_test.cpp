@@ -32,14 +32,14 @@ bool has_same_bits(const std::optional<Witness>& s, const std::optional<Witness>
          s->triangle_b == t->triangle_b;
 }
 bool has_same_bits(const QueryStats& s, const QueryStats& t) {
-  return s.node_tests == t.node_tests && s.triangle_tests == t.triangle_tests;
+  return s.node_tests == t.node_tests && s.primitive_tests == t.primitive_tests;
 }
-bool has_same_bits(const ClosestObjects& s, const ClosestObjects& t) {
+bool has_same_bits(const ClosestObjectsResult& s, const ClosestObjectsResult& t) {
   return s.objects == t.objects && s.result.lower == t.result.lower && s.result.upper == t.result.upper &&
          s.result.status == t.result.status && s.result.stopped_by == t.result.stopped_by &&
          has_same_bits(s.result.witness, t.result.witness) && has_same_bits(s.result.stats, t.result.stats);
 }
-bool has_same_bits(const CloseObjects& s, const CloseObjects& t) {
+bool has_same_bits(const AnyWithinResult& s, const AnyWithinResult& t) {
   return s.objects == t.objects && s.result.answer == t.result.answer && s.result.stopped_by == t.result.stopped_by &&
          has_same_bits(s.result.witness, t.result.witness) && has_same_bits(s.result.stats, t.result.stats);
 }
@@ -183,13 +183,13 @@ TEST(SceneConfigurationsTest, AskOnePairAfterTheOtherUntilOneIsWithinTheDistance
   for (int i = 0; i < 40; ++i) {
     const Plan plan(rng, 60, 0, 0, 6);
     const auto filter = [&](ObjectId a, ObjectId b) { return (a * 7 + b * 3) % 5 == static_cast<ObjectId>(i % 5); };
-    CloseObjects expected;
+    AnyWithinResult expected;
     expected.result.answer = Answer::no;
     std::size_t asked = 0;
     const auto ask = [&](const ObjectPair& pair) {
       const CollideResult r = within(plan.scene.object(pair.a), plan.scene.object(pair.b), 1e-3);
       expected.result.stats.node_tests += r.stats.node_tests;
-      expected.result.stats.triangle_tests += r.stats.triangle_tests;
+      expected.result.stats.primitive_tests += r.stats.primitive_tests;
       ++asked;
       if (!r.is_yes()) return true;
       expected.objects = pair, expected.result.answer = Answer::yes, expected.result.witness = r.witness;
@@ -217,8 +217,8 @@ TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
       ClosestObjectsOptions how{.relative_error = has_filter ? 0.1 : 0, .max_distance = has_filter ? 1.5 : INFINITY};
       AnyWithinOptions which;
       if (has_filter) how.filter = which.filter = counts;
-      std::vector<ClosestObjects> expected(plan.count), closest(plan.count);
-      std::vector<CloseObjects> expected_any(plan.count), any(plan.count);
+      std::vector<ClosestObjectsResult> expected(plan.count), closest(plan.count);
+      std::vector<AnyWithinResult> expected_any(plan.count), any(plan.count);
       Plan moved(rng, 0, 0, 0, 1);
       for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
         static_cast<void>(moved.scene.add(plan.scene.contains(id) ? plan.scene.object(id) : Placed(plan.models[0])));
@@ -254,15 +254,15 @@ TEST(SceneConfigurationsTest, MayBeNoneOrOfNoObject) {
   const Plan plan(rng, 6, 3, 0, 4);
   plan.scene.closest_objects_many(plan.ids, {}, {});
   plan.scene.any_within_many(plan.ids, {}, 1, {});
-  std::vector<ClosestObjects> closest(3);
+  std::vector<ClosestObjectsResult> closest(3);
   plan.scene.closest_objects_many({}, {}, closest);  // the scene as it is
-  for (const ClosestObjects& c : closest) EXPECT_TRUE(has_same_bits(c, plan.scene.closest_objects()));
+  for (const ClosestObjectsResult& c : closest) EXPECT_TRUE(has_same_bits(c, plan.scene.closest_objects()));
   const limber::Scene empty;
-  std::vector<CloseObjects> any(3);
+  std::vector<AnyWithinResult> any(3);
   empty.any_within_many({}, {}, 1, any);
-  for (const CloseObjects& c : any) EXPECT_TRUE(c.result.is_no());
+  for (const AnyWithinResult& c : any) EXPECT_TRUE(c.result.is_no());
   empty.closest_objects_many({}, {}, closest);
-  for (const ClosestObjects& c : closest) EXPECT_EQ(c.result.status, DistanceStatus::beyond_limit);
+  for (const ClosestObjectsResult& c : closest) EXPECT_EQ(c.result.status, DistanceStatus::beyond_limit);
 }
 
 TEST(SceneConfigurationsTest, LetTheLastPoseOfAnIdCount) {
@@ -270,7 +270,7 @@ TEST(SceneConfigurationsTest, LetTheLastPoseOfAnIdCount) {
   const Plan plan(rng, 4, 0, 0, 50);
   const std::vector<ObjectId> ids{1, 0, 1};
   const std::vector<Transform> poses{{{}, {0, 0, 0}}, {{}, {0, 0, 0}}, {{}, {500, 0, 0}}};
-  std::vector<ClosestObjects> closest(1);
+  std::vector<ClosestObjectsResult> closest(1);
   ObjectPairMatrix counts(4, false);
   counts.set(0, 1, true);
   plan.scene.closest_objects_many(ids, poses, closest, {.filter = counts});
@@ -288,7 +288,7 @@ TEST(SceneConfigurationsTest, AskAFilterOnlyInTheCallingThread) {
     EXPECT_TRUE(a != 3 && b != 3);  // which was removed
     return ++calls % 2 == 0;
   };
-  std::vector<ClosestObjects> closest(plan.count);
+  std::vector<ClosestObjectsResult> closest(plan.count);
   plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.filter = filter});
   EXPECT_EQ(calls, 36U);
 }
@@ -298,8 +298,8 @@ TEST(SceneConfigurationsTest, AskAFilterOnlyInTheCallingThread) {
 TEST(SceneBudgets, LeaveConfigurationsOpenWhenTimeIsUp) {
   Rng rng(8307);
   const Plan plan(rng, 12, 12, 100, 30);
-  std::vector<ClosestObjects> closest(plan.count);
-  std::vector<CloseObjects> any(plan.count);
+  std::vector<ClosestObjectsResult> closest(plan.count);
+  std::vector<AnyWithinResult> any(plan.count);
   const std::atomic<bool> cancel = true;
   const std::pair<QueryBudget, StoppedBy> spent[] = {{{.deadline = Clock::now()}, StoppedBy::deadline},
                                                      {{.cancel = &cancel}, StoppedBy::cancel}};
@@ -317,7 +317,7 @@ TEST(SceneBudgets, LeaveConfigurationsOpenWhenTimeIsUp) {
     }
   }
   // Time enough changes no bit.
-  std::vector<ClosestObjects> all(plan.count);
+  std::vector<ClosestObjectsResult> all(plan.count);
   plan.scene.closest_objects_many(plan.ids, plan.poses, closest,
                                   {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}});
   plan.scene.closest_objects_many(plan.ids, plan.poses, all);
@@ -341,14 +341,14 @@ TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
       ASSERT_TRUE(result.status == DistanceStatus::interrupted || result.lower == result.upper);
       ASSERT_TRUE(result.witness.has_value() && objects.a != no_id);
       interrupted += result.status == DistanceStatus::interrupted ? 1 : 0;
-      const CloseObjects any = plan.scene.any_within(truth * 1.01, {.budget = budget});
+      const AnyWithinResult any = plan.scene.any_within(truth * 1.01, {.budget = budget});
       ASSERT_FALSE(any.result.is_no());
-      const CloseObjects none = plan.scene.any_within(truth * 0.99, {.budget = budget});
+      const AnyWithinResult none = plan.scene.any_within(truth * 0.99, {.budget = budget});
       ASSERT_TRUE(truth == 0 || !none.result.is_yes());
       ASSERT_EQ(none.result.answer == Answer::unknown, none.result.stopped_by != StoppedBy::nothing);
       // Steps are counted for each pair, so they give the same bits on any number of threads.
       if (budget.deadline || budget.cancel != nullptr) continue;
-      std::vector<ClosestObjects> closest(8), again(8);
+      std::vector<ClosestObjectsResult> closest(8), again(8);
       plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.budget = budget});
       oneapi::tbb::task_arena(5).execute(
           [&] { plan.scene.closest_objects_many(plan.ids, plan.poses, again, {.budget = budget}); });

@@ -38,7 +38,7 @@ Transform shifted(double x, double y = 0, double z = 0) { return {{}, {x, y, z}}
 /// Distances to all objects at 40 times before the impact and at it, next to what the result promises.
 void expect_first_impact(const limber::Scene& scene, const Body& body, const RigidMotion& motion,
                          const ObjectImpactOptions& options, double error) {
-  const ObjectImpact found = scene.time_of_impact(body, motion, options);
+  const ObjectImpactResult found = scene.time_of_impact(body, motion, options);
   const auto& [status, time, witness, normal, distances, stopped_by, stats] = found.result;
   ASSERT_NE(status, ImpactStatus::undecided);
   ASSERT_EQ(stopped_by, StoppedBy::nothing);
@@ -177,10 +177,10 @@ TEST(SceneImpact, BudgetsThatEndLeaveWhatIsFree) {
   const Row row(50);
   const Body ball(row.ball);
   const RigidMotion slant(shifted(-10, 3, 0), shifted(49, 0.7, 0.3));
-  const ObjectImpact whole = row.scene.time_of_impact(ball, slant);
+  const ObjectImpactResult whole = row.scene.time_of_impact(ball, slant);
   ASSERT_EQ(whole.result.status, ImpactStatus::contact);
   for (std::uint64_t steps = 0; steps < 100; ++steps) {
-    const ObjectImpact part = row.scene.time_of_impact(ball, slant, {.budget = {.max_steps = steps}});
+    const ObjectImpactResult part = row.scene.time_of_impact(ball, slant, {.budget = {.max_steps = steps}});
     ASSERT_LE(part.result.time, whole.result.time + 1e-6);
     if (part.result.status == ImpactStatus::undecided) {
       EXPECT_EQ(part.result.stopped_by, StoppedBy::max_steps);
@@ -192,13 +192,13 @@ TEST(SceneImpact, BudgetsThatEndLeaveWhatIsFree) {
     EXPECT_TRUE(steps < 80 || part.result.status == ImpactStatus::contact) << steps;
   }
   const auto past = std::chrono::steady_clock::now() - std::chrono::seconds(1);
-  const ObjectImpact late = row.scene.time_of_impact(ball, slant, {.budget = {.deadline = past}});
+  const ObjectImpactResult late = row.scene.time_of_impact(ball, slant, {.budget = {.deadline = past}});
   EXPECT_EQ(late.result.status, ImpactStatus::undecided);
   EXPECT_EQ(late.result.stopped_by, StoppedBy::deadline);
   EXPECT_LT(late.result.time, whole.result.time);
   EXPECT_GT(late.result.time, 0) << "objects that are not near a part of the way are not touched there";
   std::atomic<bool> cancel = true;
-  const ObjectImpact cancelled = row.scene.time_of_impact(ball, slant, {.budget = {.cancel = &cancel}});
+  const ObjectImpactResult cancelled = row.scene.time_of_impact(ball, slant, {.budget = {.cancel = &cancel}});
   EXPECT_EQ(cancelled.result.stopped_by, StoppedBy::cancel);
 }
 

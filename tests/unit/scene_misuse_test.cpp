@@ -62,13 +62,13 @@ TEST_F(SceneMisuse, OfIdsIsRefused) {
     refused("Scene::bounding_box", "id", [&] { (void)scene_.bounding_box(bad); });
     const std::vector<ObjectId> ids{0, bad};
     const std::vector<Transform> poses{{{}, {5, 5, 5}}, {}};
-    refused("Scene::set_poses", "ids", [&] { scene_.set_poses(ids, poses); });
+    refused("Scene::set_poses", "ids[1]", [&] { scene_.set_poses(ids, poses); });
     const std::vector<ObjectPair> pairs{{0, 1}, {0, bad}};
     std::vector<CollideResult> answers(2);
     std::vector<DistanceResult> distances(2);
-    refused("Scene", "pairs", [&] { scene_.collide(pairs, answers); });
-    refused("Scene", "pairs", [&] { scene_.within(pairs, 1, answers); });
-    refused("Scene", "pairs", [&] { scene_.distance(pairs, distances); });
+    refused("Scene", "pairs[1]", [&] { scene_.collide(pairs, answers); });
+    refused("Scene", "pairs[1]", [&] { scene_.within(pairs, 1, answers); });
+    refused("Scene", "pairs[1]", [&] { scene_.distance(pairs, distances); });
     EXPECT_FALSE(answers[0].is_yes());
   }
 }
@@ -80,7 +80,7 @@ TEST_F(SceneMisuse, OfPosesIsRefused) {
     refused("Scene::set_pose", "pose", [&] { scene_.set_pose(0, pose); });
     const std::vector<ObjectId> ids{0, 1};
     const std::vector<Transform> poses{{{}, {5, 5, 5}}, pose};
-    refused("Scene::set_poses", "poses", [&] { scene_.set_poses(ids, poses); });
+    refused("Scene::set_poses", "poses[1]", [&] { scene_.set_poses(ids, poses); });
     refused("Scene::set_poses", "as many poses", [&] { scene_.set_poses(ids, std::span(poses).first(1)); });
   }
 }
@@ -124,8 +124,8 @@ TEST_F(SceneMisuse, OfNumbersIsRefused) {
 TEST_F(SceneMisuse, OfConfigurationsIsRefused) {
   const std::vector<ObjectId> ids{0, 1};
   std::vector<Transform> poses(4);
-  std::vector<ClosestObjects> closest(2);
-  std::vector<CloseObjects> any(2);
+  std::vector<ClosestObjectsResult> closest(2);
+  std::vector<AnyWithinResult> any(2);
   const auto both_refuse = [&](const std::string& what) {
     refused("Scene::closest_objects_many", what, [&] { scene_.closest_objects_many(ids, poses, closest); });
     refused("Scene::any_within_many", what, [&] { scene_.any_within_many(ids, poses, 1, any); });
@@ -137,11 +137,11 @@ TEST_F(SceneMisuse, OfConfigurationsIsRefused) {
   poses.assign(4, {});
   refused("Scene::any_within_many", "poses", [&] { scene_.any_within_many({}, poses, 1, any); });
   poses[3] = bad_pose_;
-  both_refuse("entry 1 of configuration 1");
+  both_refuse("poses[1][1]");
   poses[3] = {};
   for (const ObjectId bad : {ObjectId{2}, ObjectId{3}, no_id}) {
     const std::vector<ObjectId> bad_ids{0, bad};
-    refused("Scene::any_within_many", "ids", [&] { scene_.any_within_many(bad_ids, poses, 1, any); });
+    refused("Scene::any_within_many", "ids[1]", [&] { scene_.any_within_many(bad_ids, poses, 1, any); });
   }
   for (const double bad : bad_numbers) {
     refused("Scene::any_within", "max_distance", [&] { (void)scene_.any_within(bad); });
@@ -175,7 +175,7 @@ TEST_F(SceneMisuse, OfModelsNextToTheSceneIsRefused) {
     refused("Scene::contacts", "margin", [&] { scene_.contacts(pair_, bad, found); });
   }
   const std::vector<ObjectPair> bad_pair{{0, 2}};
-  refused("Scene", "pairs", [&] { scene_.contacts(bad_pair, 0, found); });
+  refused("Scene", "pairs[0]", [&] { scene_.contacts(bad_pair, 0, found); });
 }
 
 TEST_F(SceneMisuse, OfMatricesIsRefused) {

@@ -101,13 +101,13 @@ TEST(SceneNearTest, FindsWhatIsCloseToAPlacedModel) {
 TEST(SceneNearTest, ServesObjectsOfTheSceneToo) {
   Rng rng(8402);
   const Heap heap(rng, 60, 8);
-  ClosestObjects closest;
+  ClosestObjectsResult closest;
   closest.result.upper = INFINITY;
   for (ObjectId id = 0; id < heap.scene.id_bound(); ++id) {
     if (!heap.scene.contains(id)) continue;
     const auto is_other = [&](ObjectId other) { return other != id; };
     EXPECT_EQ(heap.scene.closest_object(heap.scene.object(id)).result.upper, 0);  // it meets itself
-    const ClosestObject found = heap.scene.closest_object(heap.scene.object(id), {.filter = is_other});
+    const ClosestObjectResult found = heap.scene.closest_object(heap.scene.object(id), {.filter = is_other});
     if (found.result.upper < closest.result.upper) closest = {{id, found.object}, found.result};
   }
   EXPECT_NEAR(closest.result.upper, heap.scene.closest_objects().result.upper, 1e-13);
@@ -126,7 +126,8 @@ TEST(SceneNearTest, StopsWhenTheVisitorSaysSoAndWhenTimeIsUp) {
   EXPECT_TRUE(others.is_complete && others.count + 1 == all.size() && std::count(all.begin(), all.end(), 0U) == 1);
   const double truth = heap.scene.closest_object(placed, {.filter = is_other}).result.upper;
   const std::atomic<bool> cancel = true;
-  const ClosestObject cut = heap.scene.closest_object(placed, {.filter = is_other, .budget = {.cancel = &cancel}});
+  const ClosestObjectResult cut =
+      heap.scene.closest_object(placed, {.filter = is_other, .budget = {.cancel = &cancel}});
   EXPECT_TRUE(cut.result.lower <= truth && truth <= cut.result.upper && cut.object != no_id);
   EXPECT_EQ(cut.result.stopped_by, cut.result.upper > 0 ? StoppedBy::cancel : StoppedBy::nothing);
 }

@@ -60,7 +60,7 @@ TEST(SceneTest, FindsNothingWhereThereIsNothing) {
   for (const std::size_t size : {0U, 1U}) {
     EXPECT_EQ(scene.size(), size);
     EXPECT_TRUE(pairs_of(scene, 1e9).empty());
-    const ClosestObjects closest = scene.closest_objects();
+    const ClosestObjectsResult closest = scene.closest_objects();
     EXPECT_EQ(closest.result.status, DistanceStatus::beyond_limit);
     EXPECT_EQ(closest.objects, ObjectPair{});
     EXPECT_TRUE(std::isinf(closest.result.upper) && std::isinf(closest.result.lower));
@@ -130,7 +130,7 @@ TEST(SceneTest, LeavesOutWhatTheFilterDoesNotLetThrough) {
   EXPECT_TRUE(pairs_of(scene, 0.1, {.filter = none}).empty());
   EXPECT_EQ(scene.closest_objects({.filter = none}).result.status, DistanceStatus::beyond_limit);
   const auto ends = [](ObjectId a, ObjectId b) { return a == 0 && b == 5; };
-  const ClosestObjects closest = scene.closest_objects({.filter = ends});
+  const ClosestObjectsResult closest = scene.closest_objects({.filter = ends});
   EXPECT_EQ(closest.objects, (ObjectPair{0, 5}));
   EXPECT_NEAR(closest.result.upper, 3, 0.1);
 }
@@ -223,7 +223,7 @@ template <typename Result>
 bool is_same(const Result& s, const Result& t) {
   if (s.witness.has_value() != t.witness.has_value()) return false;
   if (s.witness && std::memcmp(&*s.witness, &*t.witness, sizeof(Witness)) != 0) return false;
-  return s.stats.node_tests == t.stats.node_tests && s.stats.triangle_tests == t.stats.triangle_tests;
+  return s.stats.node_tests == t.stats.node_tests && s.stats.primitive_tests == t.stats.primitive_tests;
 }
 
 /// Models of several kinds in a box.
@@ -268,7 +268,7 @@ TEST(SceneTest, AnswersAlikeOnAnyNumberOfThreads) {
   Rng rng(8202);
   const Crowd crowd(rng, 60);
   std::vector<DistanceResult> first, results(crowd.pairs.size());
-  ClosestObjects first_closest;
+  ClosestObjectsResult first_closest;
   std::vector<double> cached;
   for (const int threads : {1, 2, 5}) {
     oneapi::tbb::task_arena arena(threads);
@@ -281,7 +281,7 @@ TEST(SceneTest, AnswersAlikeOnAnyNumberOfThreads) {
       }
       crowd.scene.distance(crowd.pairs, results);
       const auto apart = [&](ObjectId a, ObjectId b) { return (a + b) % 3 == 0 && b - a > 40; };
-      const ClosestObjects closest = crowd.scene.closest_objects({.relative_error = 0.1, .filter = apart});
+      const ClosestObjectsResult closest = crowd.scene.closest_objects({.relative_error = 0.1, .filter = apart});
       if (threads == 1) first = results, first_closest = closest, cached = uppers;
       ASSERT_EQ(uppers, cached);
       ASSERT_EQ(closest.objects, first_closest.objects);
@@ -322,7 +322,7 @@ TEST(SceneTest, FindsTheClosestObjects) {
     EXPECT_GE(rough.upper, truth - 1e-13);
     if (truth == 0) continue;
     EXPECT_EQ(scene.closest_objects({.max_distance = truth * 1.01}).objects, objects);
-    const ClosestObjects beyond = scene.closest_objects({.max_distance = truth * 0.99});
+    const ClosestObjectsResult beyond = scene.closest_objects({.max_distance = truth * 0.99});
     EXPECT_EQ(beyond.result.status, DistanceStatus::beyond_limit);
     EXPECT_EQ(beyond.objects, ObjectPair{});
     EXPECT_EQ(beyond.result.lower, truth * 0.99);

@@ -149,8 +149,8 @@ void check_contacts(const Placed& a, const Placed& b, double margin) {
     return s.triangle_a != t.triangle_a ? s.triangle_a < t.triangle_a : s.triangle_b < t.triangle_b;
   };
   std::vector<Contact> found(expected.size() + 1);
-  for (const bool is_parallel : {false, true}) {
-    const PairCount count = contacts(a, b, margin, found, {.is_parallel = is_parallel});
+  for (const bool parallel : {false, true}) {
+    const PairCount count = contacts(a, b, margin, found, {.parallel = parallel});
     ASSERT_EQ(count.count, expected.size());
     std::sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count.count), by_ids);
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -266,8 +266,8 @@ TEST(Shapes, SpheresCostWhatPointsCost) {
     const QueryStats of_point = closest_point(ring, at.translation).stats,
                      of_sphere = distance({ring}, {sphere, at}).stats;
     EXPECT_LE(of_sphere.node_tests, of_point.node_tests + 1);
-    EXPECT_LE(of_sphere.triangle_tests, 2 * of_point.triangle_tests);
-    EXPECT_EQ(distance({sphere, at}, {sphere}).stats.triangle_tests, 1U);
+    EXPECT_LE(of_sphere.primitive_tests, 2 * of_point.primitive_tests);
+    EXPECT_EQ(distance({sphere, at}, {sphere}).stats.primitive_tests, 1U);
   }
 }
 

@@ -68,7 +68,7 @@ TEST(ShapeTruths, TheRadiusOfTheBodyThatAsksAScene) {
   static_cast<void>(scene.add({small, at({0, 140, 0})}));
   scene.commit();
   for (const double limit : {std::numeric_limits<double>::infinity(), 10.0, 0.0}) {
-    const ClosestObject closest = scene.closest_object(large, {.max_distance = limit});
+    const ClosestObjectResult closest = scene.closest_object(large, {.max_distance = limit});
     EXPECT_EQ(closest.object, met) << limit;
     EXPECT_EQ(closest.result.upper, 0) << limit;
   }
@@ -83,7 +83,7 @@ TEST(ShapeTruths, WhatIsInsideAsAWholeIsFoundSoon) {
   const Shape small = Shape::sphere(0.1);
   const std::vector<Vec3> row{{-3, 0, 0}, {0, 0, 0}, {3, 0, 0}};
   const Shape cloud = Shape::point_cloud(row, 0.1);
-  const auto work = [](const CollideResult& r) { return r.stats.node_tests + r.stats.triangle_tests; };
+  const auto work = [](const CollideResult& r) { return r.stats.node_tests + r.stats.primitive_tests; };
   for (const Shape* shape : {&small, &cloud}) {
     for (const bool is_first : {false, true}) {
       const Placed solid = surface.solid({}), other(*shape);
@@ -298,7 +298,7 @@ TEST(ShapeTruths, ScenesFindTheClosestBodies) {
     EXPECT_EQ(scene.any_within(0).result.is_yes(), meeting > 0);
     const std::vector<ObjectId> ids{3};
     const std::vector<Transform> poses{placed[3].pose, at({50, 0, 0})};
-    std::vector<ClosestObjects> results(2);
+    std::vector<ClosestObjectsResult> results(2);
     scene.closest_objects_many(ids, poses, results);
     EXPECT_EQ(results[0].result.upper, least);
     double next_to = 1e9;
@@ -321,11 +321,11 @@ TEST(ShapeTruths, MovingSpheresTouchWhenFormulasSay) {
     const double time = (-dot(p, v) - std::sqrt(std::max(0.0, discriminant))) / dot(v, v);
     const double closest = std::clamp(-dot(p, v) / dot(v, v), 0.0, 1.0);
     const double gap = std::max(0.0, length(p + closest * v) - r);
-    const PathDistance least = least_distance(a, still, b, moving);
+    const PathDistance least = min_distance(a, still, b, moving);
     EXPECT_LE(least.lower, gap + 1e-12);
     EXPECT_GE(least.upper, gap - 1e-12);
     EXPECT_LE(least.upper - least.lower, 1e-2);
-    most_distances = std::max(most_distances, found.distances);
+    most_distances = std::max(most_distances, found.distance_count);
     if (length(p) <= r) {
       EXPECT_EQ(found.status, ImpactStatus::initial_contact);
     } else if (discriminant > 1e-3 && time > 0 && time < 1) {

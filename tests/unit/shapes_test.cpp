@@ -263,7 +263,7 @@ TEST(Shapes, ErrorsNameTheArgument) {
 TEST(Shapes, AreRefusedWhereTheirRadiusWouldBeLost) {
   const Shape sphere = Shape::sphere(1), box = Shape::box({1, 1, 1});
   EXPECT_THROW(static_cast<void>(closest_point(sphere, {})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(winding_number(sphere, {})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(generalized_winding_number(sphere, {})), std::invalid_argument);
   EXPECT_EQ(closest_point(box, {3, 0, 0}).closest->distance, 2);
   EXPECT_THROW(element_pairs(sphere, box, 1, {}, {}), std::invalid_argument);
   std::vector<double> limits(1, 1.0);

@@ -38,7 +38,8 @@ SolidRelation reversed(SolidRelation r) {
 SolidRelationResult relation_of(const Mesh& a, const Mesh& b, const Transform& pose_a = {},
                                 const Transform& pose_b = {}) {
   const Model model_a(a), model_b(b);
-  return solid_relation(ClosedSurface::create(model_a).value(), pose_a, ClosedSurface::create(model_b).value(), pose_b);
+  return solid_relation({ClosedSurface::create(model_a).value(), pose_a},
+                        {ClosedSurface::create(model_b).value(), pose_b});
 }
 
 void expect(const Mesh& a, const Mesh& b, SolidRelation relation, bool surfaces_meet, const std::string& what) {
@@ -288,7 +289,7 @@ TEST(SolidRelation, TheWitnessIsACommonPoint) {
   EXPECT_EQ(found.witness->point_a.x, 1);
   EXPECT_LT(found.witness->triangle_a, 12U);
   EXPECT_LT(found.witness->triangle_b, 12U);
-  EXPECT_GT(found.stats.triangle_tests, 0U);
+  EXPECT_GT(found.stats.primitive_tests, 0U);
 }
 
 TEST(SolidRelation, RefusesWhatOtherQueriesRefuse) {
@@ -297,53 +298,52 @@ TEST(SolidRelation, RefusesWhatOtherQueriesRefuse) {
   const ClosedSurface of_moved = ClosedSurface::create(moved).value(), of_box = ClosedSurface::create(box).value();
   Transform reflection;
   reflection.rotation.row0.x = -1;
-  EXPECT_THROW(static_cast<void>(solid_relation(of_box, reflection, of_box, {})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(solid_relation(of_box, {}, of_box, reflection)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(solid_relation({of_box, reflection}, {of_box})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(solid_relation({of_box}, {of_box, reflection})), std::invalid_argument);
   moved.move_all(box_corners({0, 0, 0}, {2, 2, 2})).value();
-  EXPECT_THROW(static_cast<void>(solid_relation(of_moved, {}, of_box, {})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(solid_relation({of_moved}, {of_box})), std::invalid_argument);
   moved.commit();
-  EXPECT_EQ(solid_relation(of_moved, {}, of_box, {}).relation, SolidRelation::b_inside_a);
+  EXPECT_EQ(solid_relation({of_moved}, {of_box}).relation, SolidRelation::b_inside_a);
   moved.reset(unit_box());
-  EXPECT_THROW(static_cast<void>(solid_relation(of_moved, {}, of_box, {})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(solid_relation({of_moved}, {of_box})), std::invalid_argument);
 }
 
 TEST(SolidRelation, OfManyPairsIsThatOfEach) {
   const Model box(unit_box()), ball(scenes::ball(8, 6));
   const ClosedSurface of_box = ClosedSurface::create(box).value(), of_ball = ClosedSurface::create(ball).value();
-  std::vector<PlacedSurface> surfaces;
+  std::vector<std::optional<PlacedSurface>> surfaces;
   std::vector<ObjectPair> pairs;
   Scene scene;
   Rng rng(2621);
   for (int i = 0; i < 30; ++i) {
     const Transform pose{{}, 0.5 * lattice_point(rng, 6)};
-    surfaces.push_back({i % 2 == 0 ? &of_box : &of_ball, pose});
+    surfaces.emplace_back(PlacedSurface(i % 2 == 0 ? of_box : of_ball, pose));
     static_cast<void>(scene.add({i % 2 == 0 ? box : ball, pose}));
   }
   scene.commit();
   pairs.resize(1000);
   pairs.resize(scene.candidate_pairs(0, pairs).count);
   std::vector<SolidRelationResult> results(pairs.size());
-  solid_relations(surfaces, pairs, results);
+  solid_relation_many(surfaces, pairs, results);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const PlacedSurface &a = surfaces[pairs[i].a], &b = surfaces[pairs[i].b];
-    const SolidRelationResult alone = solid_relation(*a.surface, a.world_from_model, *b.surface, b.world_from_model);
+    const SolidRelationResult alone = solid_relation(*surfaces[pairs[i].a], *surfaces[pairs[i].b]);
     EXPECT_EQ(results[i].relation, alone.relation) << i;
-    EXPECT_EQ(results[i].stats.triangle_tests, alone.stats.triangle_tests) << i;
+    EXPECT_EQ(results[i].stats.primitive_tests, alone.stats.primitive_tests) << i;
   }
   EXPECT_GT(pairs.size(), 30U);
 
   results[0].relation = SolidRelation::equal;
   const auto refuses = [&](std::size_t count) {
-    EXPECT_THROW(solid_relations(surfaces, pairs, std::span(results).first(count)), std::invalid_argument);
+    EXPECT_THROW(solid_relation_many(surfaces, pairs, std::span(results).first(count)), std::invalid_argument);
     EXPECT_EQ(results[0].relation, SolidRelation::equal);
   };
   refuses(pairs.size() - 1);
   pairs.back().b = static_cast<ObjectId>(surfaces.size());
   refuses(pairs.size());
   pairs.back().b = 0;
-  surfaces[0].surface = nullptr;
+  surfaces[0].reset();
   refuses(pairs.size());
-  surfaces[0] = {&of_box, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}};
+  surfaces[0] = PlacedSurface(of_box, {{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}});
   refuses(pairs.size());
 }
 

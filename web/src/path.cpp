@@ -22,7 +22,7 @@ void give_time(double time, std::uint64_t distances) {
 
 void give(const PathImpact& impact) {
   give(impact.witness, impact.stats, static_cast<std::uint32_t>(impact.status), impact.stopped_by);
-  give_time(impact.time, impact.distances);
+  give_time(impact.time, impact.distance_count);
   double* normal = exchange.numbers + 12;
   put(normal, impact.normal);
 }
@@ -72,7 +72,7 @@ bool exported_least_distance(const BodyOwner* a, const RigidMotion* motion_a, co
         least_distance(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
     give(found.witness, found.stats, 0, found.stopped_by);
     exchange.numbers[0] = found.lower, exchange.numbers[1] = found.upper;
-    give_time(found.time, found.distances);
+    give_time(found.time, found.distance_count);
   });
 }
 

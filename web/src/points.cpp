@@ -52,7 +52,7 @@ bool exported_closest_points(const OwnedModel* model, PoseForm pose, std::size_t
   return guarded([&] {
     const std::vector<Vec3> points = points_from(count, is_float32);
     std::vector<PointResult> results(count);
-    closest_points(Placed(*model, pose_from(pose, 0, "pose")), points, results, {max_distance});
+    closest_point_many(Placed(*model, pose_from(pose, 0, "pose")), points, results, {max_distance});
     give_points(results, [](const PointResult&) { return false; });
   });
 }

@@ -11,10 +11,10 @@
 namespace limber::web {
 namespace {
 
-/// Calls query(a, pose_a, b, pose_b) with the poses in Exchange::poses.
+/// Calls query(a, b), both placed, with the poses in Exchange::poses.
 template <typename Query>
 auto ask(const ClosedSurface* a, PoseForm pose_a, const ClosedSurface* b, PoseForm pose_b, const Query& query) {
-  return query(*a, pose_from(pose_a, 0, "poseA"), *b, pose_from(pose_b, 1, "poseB"));
+  return query(PlacedSurface(*a, pose_from(pose_a, 0, "poseA")), PlacedSurface(*b, pose_from(pose_b, 1, "poseB")));
 }
 
 /// Where results have deepest vertices: after what give() writes, and the translation or direction.
@@ -29,7 +29,7 @@ void put_deepest(double*& number, std::uint32_t*& word, const std::optional<Deep
   put(number, d.position);
   *number++ = d.closest.distance;
   put(number, d.closest.position);
-  for (const double weight : d.closest.barycentric) *number++ = weight;
+  put(number, d.closest.weights);
   put(number, d.direction);
   *word++ = d.vertex, *word++ = d.closest.triangle;
   *word++ = static_cast<std::uint32_t>(d.closest.feature.kind), *word++ = d.closest.feature.index;
@@ -39,7 +39,7 @@ void put_deepest(double*& number, std::uint32_t*& word, const std::optional<Deep
 void give_deepest(const DeepestVertices& found) {
   double* number = exchange.numbers + deepest_numbers;
   std::uint32_t* word = exchange.words + deepest_words;
-  *number++ = found.upper;
+  *number++ = found.max_depth;
   put_deepest(number, word, found.of_a);
   put_deepest(number, word, found.of_b);
 }

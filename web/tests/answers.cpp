@@ -153,15 +153,15 @@ class Recorder {
     const ClosedSurface second = ClosedSurface::create(models_[b]).value();
     const Transform none;
     json given{{"poseA", nullptr}, {"poseB", of(pose)}};
-    write("solidRelation", {a, b}, {}, given, of(solid_relation(first, none, second, pose)));
+    write("solidRelation", {a, b}, {}, given, of(solid_relation({first, none}, {second, pose})));
     const QueryBudget budget{.max_steps = max_steps};
     if (max_steps < unlimited) given["budget"] = {{"maxSteps", max_steps}};
-    write("deepestVertices", {a, b}, {}, given, of(deepest_vertices(first, none, second, pose, {budget})));
+    write("deepestVertices", {a, b}, {}, given, of(deepest_vertices({first, none}, {second, pose}, {budget})));
     write("separatingTranslation", {a, b}, {of(direction)}, given,
-          of(separating_translation(first, none, second, pose, direction, {budget})));
+          of(separating_translation({first, none}, {second, pose}, direction, {budget})));
     given["relativeError"] = 0.1;
     write("signedDistance", {a, b}, {}, given,
-          of(limber::signed_distance(first, none, second, pose, {.relative_error = 0.1, .budget = budget})));
+          of(limber::signed_distance({first, none}, {second, pose}, {.relative_error = 0.1, .budget = budget})));
   }
 
   /// The contact of the closest triangles, and all its gradients.

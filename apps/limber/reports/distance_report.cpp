@@ -133,7 +133,7 @@ class Refinement {
   void measure() {
     const std::span<const Vec3> fresh = std::span(map_.positions).subspan(map_.distances.size());
     std::vector<PointResult> found(fresh.size());
-    closest_points(other_, fresh, found);
+    closest_point_many(other_, fresh, found);
     for (const PointResult& result : found) map_.distances.push_back(result.closest->distance);
   }
 

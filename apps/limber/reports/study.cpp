@@ -27,7 +27,7 @@ constexpr std::array row_names = {"a",      "b",         "status", "lower", "upp
 std::optional<double> depth_of(const PlacedModel& a, const PlacedModel& b) {
   const Result<ClosedSurface>&surface_a = a.model.surface(), &surface_b = b.model.surface();
   if (!surface_a || !surface_b) return std::nullopt;
-  return deepest_vertices(surface_a.value(), a.pose, surface_b.value(), b.pose).upper;
+  return deepest_vertices({surface_a.value(), a.pose}, {surface_b.value(), b.pose}).max_depth;
 }
 
 /// Both points, then triangles and faces: of a, of b.

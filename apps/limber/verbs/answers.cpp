@@ -58,7 +58,7 @@ void warn_about(Nesting nesting, const std::string& verb) {
 void append_work(Json& json, const QueryStats& stats, double query_us) {
   json["query_us"] = query_us;
   json["node_tests"] = stats.node_tests;
-  json["triangle_tests"] = stats.triangle_tests;
+  json["primitive_tests"] = stats.primitive_tests;
 }
 
 void append_work(Json& json, const QueryStats& stats, double build_us, double query_us) {
@@ -67,7 +67,7 @@ void append_work(Json& json, const QueryStats& stats, double build_us, double qu
 }
 
 void write_work_lines(const QueryStats& stats, double build_us, double query_us) {
-  write_line("tests     {} of nodes, {} of triangles", stats.node_tests, stats.triangle_tests);
+  write_line("tests     {} of nodes, {} of triangles", stats.node_tests, stats.primitive_tests);
   write_line("time      build {} us, query {} us", to_text(build_us), to_text(query_us));
 }
 

@@ -33,7 +33,7 @@ DistanceQuestion question_of(const DistanceArguments& arguments) {
 /// The least distance on a path, which is certified within the absolute error, or the usual one.
 DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<double> absolute_error) {
   const Stopwatch asking;
-  const PathDistance found = path.least_distance(pair.a().model.fast(), pair.b().model.fast(), absolute_error);
+  const PathDistance found = path.min_distance(pair.a().model.fast(), pair.b().model.fast(), absolute_error);
   DistanceAnswer answer;
   answer.elapsed_us = asking.microseconds();
   answer.path_time = found.time;

@@ -113,7 +113,7 @@ void warn_about(std::size_t nested_count) {
 
 /// The columns that answer_in_row() fills after those that name the pair.
 std::string answer_columns() {
-  return fmt::format("{},{},too_close,inside,clash,solids,query_us,node_tests,triangle_tests", distance_columns,
+  return fmt::format("{},{},too_close,inside,clash,solids,query_us,node_tests,primitive_tests", distance_columns,
                      witness_columns);
 }
 

@@ -198,7 +198,7 @@ const Result<ClosedSurface>& RigidModel::surface() const {
 std::optional<SolidRelationResult> solids_of(const PlacedModel& a, const PlacedModel& b) {
   const Result<ClosedSurface>&surface_a = a.model.surface(), &surface_b = b.model.surface();
   if (!surface_a || !surface_b) return std::nullopt;
-  return solid_relation(surface_a.value(), a.pose, surface_b.value(), b.pose);
+  return solid_relation({surface_a.value(), a.pose}, {surface_b.value(), b.pose});
 }
 
 Nesting nesting_of(const SolidRelationResult& solids) {

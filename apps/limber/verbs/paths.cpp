@@ -26,9 +26,9 @@ RigidMotion motion_from(const std::vector<Transform>& poses, std::size_t step) {
 }
 
 void add_work(auto& sum, const auto& found) {
-  sum.distances += found.distances;
+  sum.distance_count += found.distance_count;
   sum.stats.node_tests += found.stats.node_tests;
-  sum.stats.triangle_tests += found.stats.triangle_tests;
+  sum.stats.primitive_tests += found.stats.primitive_tests;
 }
 
 }  // namespace
@@ -55,13 +55,13 @@ PathImpact Path::first_impact(const Model& a, const Model& b, double separation)
   return first;
 }
 
-PathDistance Path::least_distance(const Model& a, const Model& b, std::optional<double> distance_error) const {
+PathDistance Path::min_distance(const Model& a, const Model& b, std::optional<double> distance_error) const {
   QueryCache cache;
   const PathOptions options{.distance_error = distance_error, .cache = &cache};
   PathDistance least;
   least.lower = std::numeric_limits<double>::infinity();
   for (std::size_t s = 0; s < steps_.size(); ++s) {
-    const PathDistance found = limber::least_distance(a, steps_[s].a, b, steps_[s].b, options);
+    const PathDistance found = limber::min_distance(a, steps_[s].a, b, steps_[s].b, options);
     least.lower = std::min(least.lower, found.lower);
     if (found.upper < least.upper) {
       least.upper = found.upper, least.time = static_cast<double>(s) + found.time, least.witness = found.witness;

@@ -34,9 +34,9 @@ class Path {
   const Transform& start_a() const { return steps_.front().a.start(); }
   const Transform& start_b() const { return steps_.front().b.start(); }
 
-  /// As time_of_impact() and least_distance() of limber/path.h, but times are those of the path.
+  /// As time_of_impact() and min_distance() of limber/path.h, but times are those of the path.
   PathImpact first_impact(const Model& a, const Model& b, double separation) const;
-  PathDistance least_distance(const Model& a, const Model& b, std::optional<double> distance_error) const;
+  PathDistance min_distance(const Model& a, const Model& b, std::optional<double> distance_error) const;
 
  private:
   struct Step {

@@ -54,17 +54,17 @@ class PointAsker {
     const Placed placed{model_.fast(), arguments_.pose};
     if (surface_) {
       std::vector<SignedDistance> distances(points.size());
-      surface_->signed_distances(points, distances, arguments_.pose, arguments_.options);
+      surface_->signed_distance_many(points, distances, arguments_.pose, arguments_.options);
       for (std::size_t i = 0; i < points.size(); ++i) {
         answers[i] = {{distances[i].closest, distances[i].stats}, distances[i].is_inside, std::nullopt};
       }
     } else {
       std::vector<PointResult> results(points.size());
-      closest_points(placed, points, results, arguments_.options);
+      closest_point_many(placed, points, results, arguments_.options);
       for (std::size_t i = 0; i < points.size(); ++i) answers[i].result = results[i];
     }
     for (std::size_t i = 0; arguments_.has_winding_number && i < points.size(); ++i) {
-      answers[i].winding_number = winding_number(placed, points[i]);
+      answers[i].winding_number = generalized_winding_number(placed, points[i]);
     }
     return answers;
   }
@@ -92,7 +92,7 @@ Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, co
                        {"triangle", closest->triangle},
                        {"face", model.face_of(closest->triangle)},
                        {"feature", to_text(closest->feature)},
-                       {"weights", closest->barycentric}};
+                       {"weights", to_json(closest->weights)}};
   }
   if (answer.is_inside) json["inside"] = *answer.is_inside;
   if (answer.winding_number) json["winding_number"] = *answer.winding_number;

@@ -59,7 +59,7 @@ TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
 
 std::string track_csv_header(bool has_clearance, const Names& contact_names, const Names& impact_names) {
   std::string header =
-      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,triangle_tests{}",
+      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,primitive_tests{}",
                   distance_columns, witness_columns, has_clearance ? ",too_close" : "");
   const std::string of_contacts = "us,count,intersecting," + contact_columns(ContactDetail::all);
   for (const std::string& name : contact_names) header += prefixed(name, of_contacts);
@@ -74,7 +74,7 @@ Json to_json(const TrackRow& row) {
   json["refits"] = row.update.done.refits;
   json["absorbed"] = row.update.done.absorbed;
   json["node_tests"] = row.result.stats.node_tests;
-  json["triangle_tests"] = row.result.stats.triangle_tests;
+  json["primitive_tests"] = row.result.stats.primitive_tests;
   if (row.too_close) json["too_close"] = *row.too_close;
   for (const auto& [name, found] : row.contacts) {
     json[name] = {{"query_us", found.elapsed_us},

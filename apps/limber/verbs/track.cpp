@@ -127,10 +127,10 @@ FrameContacts find_contacts(const AskedPair& asked, double margin) {
 }
 
 /// No frame comes before the first one of the lists, so nothing is asked about the way to it.
-FrameImpact impact_of(const AskedPair& asked, std::size_t row, bool is_first, bool ignores_crossings) {
+FrameImpact impact_of(const AskedPair& asked, std::size_t row, bool is_first, bool ignore_crossings) {
   if (is_first) return {asked.name};
   FrameImpact impact =
-      find_impact(asked.name, row, asked.a->motion(), asked.b->motion(), {.ignores_crossings = ignores_crossings});
+      find_impact(asked.name, row, asked.a->motion(), asked.b->motion(), {.ignore_crossings = ignore_crossings});
   if (impact.touch) impact.touch->at = *with_faces(impact.touch->at.witness, *asked.a, *asked.b);
   return impact;
 }
@@ -235,7 +235,7 @@ models are farther apart than --max-distance, status is beyond_limit, and upper 
 null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files,
 and with --continuous for setting motions. Whether one model lies inside the other is not looked at.
 
---min-clearance adds the column too_close after triangle_tests. It is decided as for an exact distance, whatever the
+--min-clearance adds the column too_close after primitive_tests. It is decided as for an exact distance, whatever the
 errors asked for. With --continuous it is true, too, where the models touch on the way from the frame before. How near
 they come between frames otherwise is not looked at; --path-a of limber distance is for rigid models.
 

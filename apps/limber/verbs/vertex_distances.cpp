@@ -76,7 +76,7 @@ void VertexDistances::write(const PlacedModel& a, const PlacedModel& b) {
   const auto text = [](const char* option, const std::string& path, const PlacedModel& of, const PlacedModel& from) {
     const std::vector<Vec3> points = placed_vertices(option, of);
     std::vector<PointResult> found(points.size());
-    closest_points({from.model.in_fast_engine(), from.pose}, points, found);
+    closest_point_many({from.model.in_fast_engine(), from.pose}, points, found);
     return is_ply(path) ? ply_text(of.model.mesh(), points, found) : csv_text(points, found);
   };
   if (a_) a_->write(text(option_a, files_.a, a, b));

@@ -54,7 +54,7 @@ class ElementsWithin {
                                  owned(Side::b, pair.b), is_self ? &self_pair : nullptr, found);
     const std::uint32_t count = found.vertex_face.count + found.face_vertex.count + found.edge_edge.count;
     if (count == 0) return;
-    stats.triangle_tests += count;  // pairs of elements count as pairs of triangles
+    stats.primitive_tests += count;  // pairs of elements count as pairs of triangles
     for (std::uint32_t i = 0; i < found.vertex_face.count && !is_stopped_; ++i) {
       const auto [vertex_code, face_code] = found.vertex_face.pairs[i];
       compare_vertex_face({Side::a, pair.a, vertex_code}, {Side::b, pair.b, face_code});
