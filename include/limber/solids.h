@@ -48,7 +48,8 @@ struct [[nodiscard]] SolidRelationResult {
 LIMBER_API SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& b);
 
 /// Answers for many pairs, which name surfaces by their index: results[i] is that of pairs[i]. If surfaces[id] is that
-/// of object `id` of a Scene, the pairs may be those of Scene::candidate_pairs(). Those that no pair names may be empty.
+/// of object `id` of a Scene, the pairs may be those of Scene::candidate_pairs(). A surface that no pair names may be
+/// empty.
 ///
 /// Throws   As solid_relation(), or if there are not as many results as pairs, or a pair names no surface; no result
 ///          has been written then, unless memory is missing.
