@@ -33,7 +33,7 @@ class Stopwatch {
 template <typename Call>
 double mean_us(std::size_t repetitions, Call call) {
   const Stopwatch watch;
-  for (std::size_t i = 0; i < repetitions; ++i) call();
+  for (std::size_t i = 0; i < repetitions; ++i) static_cast<void>(call());
   return watch.us() / static_cast<double>(repetitions);
 }
 
