@@ -2,14 +2,14 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: release [KEY]    build and try every package, and put them with their SHA-256 sums in build/release; signs the sums with
+#: release [KEY]    build and try every package, and put them with their SHA-256 sums in build/publish; signs the sums with
 #:                  that key of gpg; runs the README's commands from the archive of sources on a bare Debian; long
 
 # It publishes nothing.
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 source "$root/tools/dev/roots.sh"
 
-folder=$root/build/release
+folder=$root/build/publish
 name=limber-$version
 
 # The README's way to install, its Python package and its first programs, from the archive.
@@ -42,5 +42,5 @@ for package in wheels deb npm recipes; do "$root/dev" package "$package"; done
 cp -- "$artefacts"/wheels/{*.whl,*.tar.gz} "$artefacts"/npm/*.tgz "$artefacts"/deb/*.deb "$folder"
 (cd -- "$folder" && sha256sum -- *.* >SHA256SUMS)
 if (($#)); then gpg --batch --yes --local-user "$1" --armor --detach-sign -- "$folder/SHA256SUMS"; fi
-say "what to publish is in build/release:"
+say "what to publish is in build/publish:"
 cat -- "$folder/SHA256SUMS"
