@@ -195,7 +195,7 @@ Examples:
     limber demo
     limber info gear.obj
     limber distance gear.obj housing.stl --pose-b 0,0,12.5,1,0,0,0
-    limber contacts gear.obj housing.stl --margin 0.1 --csv contacts.csv
+    limber contacts gear.obj housing.stl --margin 0.1 --out contacts.csv
     limber track --a cloth_*.ply --b scene:ball > distances.csv
 )");
 }

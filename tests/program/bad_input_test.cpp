@@ -44,6 +44,7 @@ TEST(ProgramBadInput, VerbsAndOptions) {
                       {"--exit-code", "--exit-code: needs --max-distance or --min-clearance"},
                       {"--min-clearance 2 --max-distance 1", "--max-distance: must be at least --min-clearance"},
                       {"--out x.csv", "--out: belongs to --pairs"},
+                      {"--distance-error 1", "--distance-error: belongs to --path-a and --path-b"},
                       {"--relative-error", "--relative-error"},
                       {"--relative-error 1 --relative-error 2", "--relative-error"},
                       {"--engine quick", "--engine: must be one of fast|classic|reference, not 'quick'"}});
@@ -57,8 +58,8 @@ TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
                       {"--margin 1 --intersections", "--margin: leaves no room for --intersections"},
                       {"--closest 0", "--closest: must be a whole number from 1"},
                       {"--closest 1000001", "--closest: must be a whole number from 1 to 1000000, not"},
-                      {"--margin 1 --limit -1", "--limit: must be a whole number from 0"},
-                      {"--margin 1 --csv - --json", "--csv: leaves no room on standard output"},
+                      {"--margin 1 --max-count -1", "--max-count: must be a whole number from 0"},
+                      {"--margin 1 --out - --json", "--out: leaves no room on standard output"},
                       {"--margin 1 --engine fast", "'--engine' is no option"}});
   expect_refused("contacts scene:ball --margin 1", "contacts: B is required");
   expect_refused("self --margin 1", "self: M is required");
@@ -89,7 +90,8 @@ TEST(ProgramBadInput, QuestionsAboutMotion) {
                         {"--path-b " + two + " --engine classic", "--path-b: belongs to --engine fast"},
                         {"--path-a " + two + " --pose-a 0,0,0,1,0,0,0", "--path-a"}});
   }
-  for (const std::string option : {"--relative-error 1", "--max-distance 1", "--min-clearance 1", "--report x.html"}) {
+  for (const std::string option :
+       {"--relative-error 1", "--absolute-error 1", "--max-distance 1", "--min-clearance 1", "--report x.html"}) {
     expect_refused("distance " + two_balls + "--path-b " + two + ' ' + option,
                    "--path-b: leaves no room for " + option.substr(0, option.find(' ')));
   }

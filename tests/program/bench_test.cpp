@@ -55,13 +55,14 @@ TEST(ProgramBench, HasARowForEachQuestionAndGap) {
 TEST(ProgramBench, WritesTheSameRowsAsTextAndCsv) {
   const Folder folder;
   const std::string file = folder.path("rows.csv");
-  const std::string text = answer_to("bench scene:ball --time 0 --threads 2 --csv " + file);
+  const std::string text = answer_to("bench scene:ball --time 0 --threads 2 --out " + file);
   for (const char* const line : {"\nthreads    2\n", "\nA          scene:ball, 1 024 triangles\n", "\nsize "}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   }
   EXPECT_EQ(text.find("\nB "), std::string::npos);
   const auto rows = table_of(text_of(file));
   EXPECT_EQ(rows.size(), 30U);
+  EXPECT_EQ(table_of(answer_to("bench scene:ball --time 0 --out -")).size(), 30U);
   for (const auto& row : rows) {
     EXPECT_EQ(row.at("poses"), "1");
     const std::string question = row.at("question");
@@ -81,7 +82,8 @@ TEST(ProgramBench, RefusesWhatHasNoAnswer) {
   expect_refused("bench", "bench: A is required");
   expect_refused("bench scene:ball --poses 0", "--poses: must be a whole number from 1");
   expect_refused("bench scene:ball --time -1", "--time: must be a number from 0");
-  expect_refused("bench " + point + " --csv " + point, "is one of the inputs");
+  expect_refused("bench " + point + " --out " + point, "is one of the inputs");
+  expect_refused("bench scene:ball --out - --json", "--out: leaves no room on standard output for --json");
 }
 
 TEST(ProgramBench, TellsWhichAnswersDisagree) {

@@ -86,7 +86,7 @@ TEST(ProgramExitCode, TellsTheAnswerOnlyWhereItIsAskedFor) {
   EXPECT_EQ(ask("distance", apart + "--min-clearance 2 --max-distance 2"), 0);
   EXPECT_EQ(ask("contacts", "--intersections"), 0);
   EXPECT_EQ(ask("contacts", "--intersections --exit-code"), 3);
-  EXPECT_EQ(ask("contacts", "--margin 0 --exit-code --json --limit 0"), 3);
+  EXPECT_EQ(ask("contacts", "--margin 0 --exit-code --json --max-count 0"), 3);
   EXPECT_EQ(ask("contacts", apart + "--intersections --exit-code"), 0);
   EXPECT_EQ(ask("contacts", apart + "--margin 1.9 --exit-code"), 0);
   EXPECT_EQ(ask("contacts", apart + "--margin 2.1 --exit-code"), 3);

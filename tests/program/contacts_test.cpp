@@ -105,7 +105,7 @@ TEST(ProgramContacts, RowsAndObjectsAreTheContactsOfTheLibrary) {
     ASSERT_GT(expected.size(), 20U);
 
     const std::string csv = soups.folder.path("contacts.csv");
-    const nlohmann::json json = json_of(soups.question + "--margin 0.1 --csv " + csv);
+    const nlohmann::json json = json_of(soups.question + "--margin 0.1 --out " + csv);
     EXPECT_EQ(json["count"], expected.size());
     EXPECT_EQ(ids_of(json).size(), expected.size());
     const std::vector<Row> rows = table_of(text_of(csv));
@@ -140,16 +140,16 @@ TEST(ProgramContacts, PrintsExactlyTheDocumentedNames) {
   const nlohmann::json ids = json_of(soups.question + "--intersections");
   EXPECT_EQ(keys_of(ids), keys_of(json));
   EXPECT_EQ(keys_of(ids["pairs"][0]), (Words{"face_a", "face_b", "triangle_a", "triangle_b"}));
-  EXPECT_EQ(lines_of(answer_to(soups.question + "--margin 0.1 --csv -")).front(),
+  EXPECT_EQ(lines_of(answer_to(soups.question + "--margin 0.1 --out -")).front(),
             "triangle_a,triangle_b,distance,depth,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
             "normal_x,normal_y,normal_z,normal_side,feature_a,feature_b,face_a,face_b");
-  EXPECT_EQ(lines_of(answer_to(soups.question + "--intersections --csv -")).front(),
+  EXPECT_EQ(lines_of(answer_to(soups.question + "--intersections --out -")).front(),
             "triangle_a,triangle_b,face_a,face_b");
 }
 
 TEST(ProgramContacts, TheDeepestComeFirstThenTheNearest) {
   const PlacedSoups soups(2);
-  const std::vector<Row> rows = table_of(answer_to(soups.question + "--margin 0.2 --csv -"));
+  const std::vector<Row> rows = table_of(answer_to(soups.question + "--margin 0.2 --out -"));
   const auto key = [](const Row& row) {
     return std::tuple(-number(row.at("depth")), number(row.at("distance")), number(row.at("triangle_a")),
                       number(row.at("triangle_b")));
@@ -164,18 +164,18 @@ TEST(ProgramContacts, ALimitCutsRowsAndNotTheCount) {
   const auto lines_with = [&](const std::string& options) {
     return lines_of(answer_to(soups.question + "--margin 0.2 " + options));
   };
-  const Words all = lines_with("--csv -");
+  const Words all = lines_with("--out -");
   ASSERT_GT(all.size(), 20U);
   const auto count = static_cast<std::size_t>(all.size() - 1);
   for (const std::size_t limit : {std::size_t{0}, std::size_t{1}, std::size_t{15}, count, count + 1}) {
     const std::string text = std::to_string(limit);
     const std::size_t written = std::min(limit, count);
-    const Words some = lines_with("--csv - --limit " + text);
+    const Words some = lines_with("--out - --max-count " + text);
     EXPECT_EQ(some, Words(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(written) + 1));
-    const nlohmann::json json = nlohmann::json::parse(lines_with("--json --limit " + text).at(0));
+    const nlohmann::json json = nlohmann::json::parse(lines_with("--json --max-count " + text).at(0));
     EXPECT_EQ(json["count"], count);
     EXPECT_EQ(json["pairs"].size(), written);
-    const Words lines = lines_with("--limit " + text);
+    const Words lines = lines_with("--max-count " + text);
     EXPECT_EQ(lines[0].find("pairs     " + std::to_string(count) + ", "), 0U) << lines[0];
     const std::size_t table = written == 0 ? 0 : 2 + written + (written < count ? 1 : 0);
     EXPECT_EQ(lines.size(), 3 + table);
@@ -188,11 +188,11 @@ TEST(ProgramContacts, ALimitCutsRowsAndNotTheCount) {
 TEST(ProgramContacts, AFileOfRowsLeavesTheAnswerAsItIs) {
   const PlacedSoups soups(5);
   const std::string csv = soups.folder.store("contacts.csv", "of yesterday\n");
-  const std::string text = answer_to(soups.question + "--margin 0.1 --csv " + csv);
+  const std::string text = answer_to(soups.question + "--margin 0.1 --out " + csv);
   EXPECT_EQ(text.find("pairs     "), 0U);
   EXPECT_NE(text.find("\n\ntriangle a  triangle b      distance         depth  features\n"), std::string::npos);
-  EXPECT_EQ(text_of(csv), answer_to(soups.question + "--margin 0.1 --csv -"));
-  answer_to(soups.question + "--intersections --limit 0 --csv " + csv);
+  EXPECT_EQ(text_of(csv), answer_to(soups.question + "--margin 0.1 --out -"));
+  answer_to(soups.question + "--intersections --max-count 0 --out " + csv);
   EXPECT_EQ(text_of(csv), "triangle_a,triangle_b,face_a,face_b\n");
 }
 
@@ -253,10 +253,10 @@ TEST(ProgramContacts, RegionsAreConnectedPairs) {
     }
     EXPECT_NE(answer_to(line).find("regions   " + std::to_string(regions.size())), std::string::npos);
     // Where few pairs are written, regions are still those of all.
-    const nlohmann::json few = json_of(line + " --limit 1");
+    const nlohmann::json few = json_of(line + " --max-count 1");
     EXPECT_EQ(few["regions"], json["regions"]);
     EXPECT_EQ(few["pairs"].size(), 1U);
-    EXPECT_EQ(table_of(answer_to(line + " --csv -"))[0].at("region"), std::to_string(pairs[0]["region"].get<int>()));
+    EXPECT_EQ(table_of(answer_to(line + " --out -"))[0].at("region"), std::to_string(pairs[0]["region"].get<int>()));
   }
   expect_refused("contacts " + a + ' ' + b + " --intersections --regions", "--margin");
 }

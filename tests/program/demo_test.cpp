@@ -15,7 +15,7 @@ namespace limber::program_tests {
 namespace {
 
 /// A run whose page has been read.
-Report played(const std::string& options) { return Report("demo " + options, "--out"); }
+Report played(const std::string& options) { return Report("demo " + options); }
 
 /// The sheet in every frame, by the documented draws of the dents.
 std::vector<std::vector<Vec3>> dented_sheets(std::uint64_t seed, std::size_t frames, int dents) {
@@ -49,7 +49,7 @@ TEST(ProgramDemo, WritesAPageAndASummary) {
     line.resize(22, ' ');
     EXPECT_NE(text.find('\n' + line + row[1].get<std::string>() + '\n'), std::string::npos) << row;
   }
-  EXPECT_EQ(demo.data["command"], "limber demo --frames 30 --out " + path);
+  EXPECT_EQ(demo.data["command"], "limber demo --frames 30 --report " + path);
 }
 
 TEST(ProgramDemo, ThePagePlaysTheDentsAndTheBall) {
@@ -110,7 +110,7 @@ TEST(ProgramDemo, MoreFramesThanFitAreThinnedOut) {
 
 TEST(ProgramDemo, IsTheSameForEveryModeAndEveryMargin) {
   const Folder folder;
-  const std::string line = "demo --frames 20 --no-check --out " + folder.path("x.html");
+  const std::string line = "demo --frames 20 --no-check --report " + folder.path("x.html");
   const nlohmann::json fast = json_of(line), loose_bounds = json_of(line + " --motion-margin 0.01");
   const std::string classic = line + " --engine classic";
   const nlohmann::json by_depth = json_of(classic), immediate = json_of(classic + " --mode immediate");
@@ -143,7 +143,7 @@ TEST(ProgramDemo, PrintsWhereThePageIs) {
   const std::string page = folder.path("demo.html"), other = folder.path("other.html");
   const std::string relative = std::filesystem::relative(page).string();
   ASSERT_NE(relative, page);
-  const Words lines = lines_of(answer_to("demo --frames 1 --no-check --out " + other + " --out " + relative));
+  const Words lines = lines_of(answer_to("demo --frames 1 --no-check --report " + other + " --report " + relative));
   ASSERT_EQ(lines.back().find("page "), 0U) << lines.back();
   const std::filesystem::path printed = lines.back().substr(lines.back().find('/'));
   EXPECT_TRUE(printed.is_absolute());
@@ -169,7 +169,7 @@ TEST(ProgramDemo, OnlyManyFramesHavePercentiles) {
     EXPECT_EQ(count_of("p99", demo.data["demo"]["summary"].dump()), has_percentiles ? 3U : 0U) << frames;
     EXPECT_EQ(count_of(", max ", demo.outcome.out), 3U) << demo.outcome.out;
     const std::string check = has_percentiles ? "" : " --no-check";  // which takes a while
-    const nlohmann::json json = json_of("demo --frames " + frames + " --out " + demo.folder.path("x.html") + check);
+    const nlohmann::json json = json_of("demo --frames " + frames + " --report " + demo.folder.path("x.html") + check);
     EXPECT_EQ(json["query"], "demo");
     EXPECT_EQ(json["frames"], std::stoi(frames));
     EXPECT_EQ(json["brute_force"], has_percentiles ? "equal" : "skipped");

@@ -58,7 +58,7 @@ TEST(ProgramHaptics, ChoosesABudgetThatThePeriodHasRoomFor) {
   };
   EXPECT_EQ(budget("--rate 100"), 130);
   EXPECT_EQ(budget("--rate 5000"), 90);
-  EXPECT_EQ(budget("--rate 5000 --tick-budget 12.5"), 12.5);
+  EXPECT_EQ(budget("--rate 5000 --tick-budget-us 12.5"), 12.5);
 }
 
 TEST(ProgramHaptics, MeasuresTheMachineAlone) {
@@ -77,9 +77,10 @@ TEST(ProgramHaptics, WritesARowForEachTick) {
   const Folder folder;
   const std::string path = folder.path("ticks.csv");
   // A pressing takes two seconds. Queries have the whole tick, so that forces do not depend on the machine.
-  const nlohmann::json json = json_of(small + "--seconds 2 --jitter-seconds 0 --tick-budget 1000000 --out " + path);
+  const nlohmann::json json = json_of(small + "--seconds 2 --jitter-seconds 0 --tick-budget-us 1000000 --out " + path);
   const std::vector<Row> rows = table_of(text_of(path));
   ASSERT_EQ(rows.size(), 400U);
+  EXPECT_EQ(table_of(answer_to(short_run + "--out -")).size(), 40U);
   std::uint64_t missed = 0, moved = 0;
   std::map<std::string, int> statuses;
   double slowest = 0, largest_force = 0;
@@ -111,7 +112,7 @@ TEST(ProgramHaptics, WritesARowForEachTick) {
 
 TEST(ProgramHaptics, WritesAPageWithItsNumbers) {
   for (const std::string seconds : {"0.005", "1"}) {
-    const Report report(small + "--json --jitter-seconds 0.05 --seconds " + seconds, "--page");
+    const Report report(small + "--json --jitter-seconds 0.05 --seconds " + seconds);
     const nlohmann::json answer = nlohmann::json::parse(report.outcome.out), &data = report.data["haptics"];
     EXPECT_EQ(report.page.find("<!DOCTYPE html>"), 0U);
     EXPECT_EQ(report.data["command"].get<std::string>().find("limber haptics --rate 200 "), 0U);
@@ -129,7 +130,7 @@ TEST(ProgramHaptics, WritesAPageWithItsNumbers) {
 }
 
 TEST(ProgramHaptics, JoinsTicksThatAScreenCannotTellApart) {
-  const Report report("haptics --rate 2500 --seconds 1 --tissue 1000 --tool 1000 --jitter-seconds 0 --json", "--page");
+  const Report report("haptics --rate 2500 --seconds 1 --tissue 1000 --tool 1000 --jitter-seconds 0 --json");
   const nlohmann::json answer = nlohmann::json::parse(report.outcome.out), &slowest = report.data["haptics"]["slowest"];
   EXPECT_EQ(slowest["group"], 3);
   const std::vector<double> work = slowest["work_us"];
@@ -156,15 +157,16 @@ TEST(ProgramHaptics, RefusesWhatItCannotDo) {
       {"--seconds 86400", "--seconds: 86400 seconds at 1000 Hz are more than 5000000 ticks"},
       {"--jitter-seconds 86400", "--jitter-seconds: 86400 seconds at 1000 Hz are more than"},
       {"--spin-us 1000", "--spin-us: must be less than the period of 1000 us"},
-      {"--tick-budget 0", "--tick-budget: must be a number > 0, at most 1e6, not '0'"},
+      {"--tick-budget-us 0", "--tick-budget-us: must be a number > 0, at most 1e6, not '0'"},
       {"--tissue 10", "--tissue: must be a whole number from 1000"},
       {"--tool many", "--tool: must be a whole number from 1000"},
       {"--core 1000", "--core: 1000 is no core that may be used; there are "},
       {"--core -1", "--core: must be a whole number from 0"},
       {"--max-missed -1", "--max-missed: must be a whole number from 0"},
       {"--relative-error -1", "--relative-error: must be a finite number >= 0"},
-      {"--empty --page no/x.html", "--page: has nothing to tell of --empty"},
-      {"--empty --out no/x.csv", "--out: has nothing to tell of --empty"}};
+      {"--empty --report no/x.html", "--report: has nothing to tell of --empty"},
+      {"--empty --out no/x.csv", "--out: has nothing to tell of --empty"},
+      {"--out - --json", "--out: leaves no room on standard output for --json"}};
   for (const auto& [options, error] : refusals) {
     expect_refused(std::string("haptics ") + options, std::string("limber: haptics: ") + error);
   }

@@ -26,10 +26,11 @@ class ProgramOutputFiles : public testing::Test {
         pairs_(folder_.store("pairs.csv", "model_a,model_b\nscene:ball,scene:ball\n" + ball_ + "," + frame_ + "\n")),
         of_pairs_("distance --pairs " + pairs_ + " --out "),
         of_distance_("distance " + ball_ + ' ' + frame_ + " --report "),
-        of_contacts_("contacts " + ball_ + ' ' + frame_ + " --intersections --csv "),
-        of_self_("self " + ball_ + " --csv "),
+        of_contacts_("contacts " + ball_ + ' ' + frame_ + " --intersections --out "),
+        of_self_("self " + ball_ + " --out "),
         of_points_("points " + ball_ + ' ' + points_ + " --out "),
-        of_track_("track --a " + ball_ + ' ' + frame_ + " --b scene:ball --poses-a " + poses_ + " --report ") {}
+        of_track_("track --a " + ball_ + ' ' + frame_ + " --b scene:ball --poses-a " + poses_ + " --out "),
+        of_track_report_("track --a " + ball_ + ' ' + frame_ + " --b scene:ball --poses-a " + poses_ + " --report ") {}
 
   /// The names of the folder's files with their texts.
   std::map<std::string, std::string> files() const {
@@ -59,7 +60,7 @@ class ProgramOutputFiles : public testing::Test {
 
   Folder folder_;
   std::string ball_, frame_, points_, poses_, pairs_;
-  std::string of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_;
+  std::string of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_, of_track_report_;
 };
 
 TEST_F(ProgramOutputFiles, OfEveryVerbAreNoInputs) {
@@ -69,13 +70,14 @@ TEST_F(ProgramOutputFiles, OfEveryVerbAreNoInputs) {
   expect_kept(of_self_, {ball_});
   expect_kept(of_points_, {ball_, points_});
   expect_kept(of_track_, {ball_, frame_, poses_});
+  expect_kept(of_track_report_, {ball_, frame_, poses_});
   expect_kept("track --a scene:ball --b " + ball_ + ' ' + frame_ + " --poses-b " + poses_ + " --report ",
               {ball_, frame_, poses_});
 }
 
 TEST_F(ProgramOutputFiles, OfOneRunAreDifferent) {
   const auto both = [](const std::string& out, const std::string& page) {
-    return short_loop + "--out " + out + " --page " + page;
+    return short_loop + "--out " + out + " --report " + page;
   };
   const std::string before = folder_.store("before.csv", "from before"), fresh = folder_.path("new.csv");
   const std::string link = folder_.path("dangling_link");
@@ -93,23 +95,25 @@ TEST_F(ProgramOutputFiles, OfOneRunAreDifferent) {
 
 TEST_F(ProgramOutputFiles, AreNotStandardOutput) {
   const std::string out = folder_.store("out", "");
-  for (const std::string& line : {of_distance_, of_contacts_, of_self_, of_track_,
-                                  std::string("demo --frames 1 --no-check --out "), short_loop + "--page "}) {
+  for (const std::string& line : {of_distance_, of_contacts_, of_self_, of_track_report_,
+                                  std::string("demo --frames 1 --no-check --report "), short_loop + "--report "}) {
     SCOPED_TRACE(line);
     const Outcome outcome = run_into(out, line + out);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_NE(outcome.err.find(out + " is where another output goes"), std::string::npos) << outcome.err;
     EXPECT_EQ(text_of(out), "");
   }
-  for (const std::string& line : {of_distance_, of_track_, short_loop + "--out "}) {
+  for (const std::string& line :
+       {of_distance_, of_track_report_, std::string("demo --report "), short_loop + "--report "}) {
     expect_refused(line + "-", ": must name a file");
   }
   EXPECT_EQ(run_into("/dev/null", of_self_ + "/dev/null").exit_code, 0);
 }
 
 TEST_F(ProgramOutputFiles, ThatCannotBeWrittenAreToldAtOnce) {
-  for (const std::string& line : {of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_,
-                                  std::string("demo --out "), short_loop + "--out ", short_loop + "--page "}) {
+  for (const std::string& line :
+       {of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_, of_track_report_,
+        std::string("demo --report "), short_loop + "--out ", short_loop + "--report "}) {
     expect_refused(line + folder_.path("no/such/folder"), ": cannot write ");
     expect_refused(line + folder_.path(""), ": cannot write ");
   }
@@ -117,7 +121,7 @@ TEST_F(ProgramOutputFiles, ThatCannotBeWrittenAreToldAtOnce) {
 
 TEST_F(ProgramOutputFiles, OnAFullDiskAreOneLineAndNoAnswer) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
-  for (const std::string& line : {of_pairs_, of_distance_, of_contacts_, of_self_, of_points_}) {
+  for (const std::string& line : {of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_}) {
     SCOPED_TRACE(line);
     const Outcome outcome = run(line + "/dev/full");
     EXPECT_EQ(outcome.exit_code, 1);

@@ -10,9 +10,9 @@
 
 namespace limber::program_tests {
 
-Report::Report(const std::string& line, const std::string& option) {
+Report::Report(const std::string& line) {
   const std::string path = folder.path("page.html");
-  outcome = run(line + ' ' + option + ' ' + path);
+  outcome = run(line + " --report " + path);
   EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 3) << line << '\n' << outcome.err;
   page = text_of(path);
   data = page_data(page);

@@ -20,8 +20,8 @@ struct Report {
   std::string page;
   nlohmann::json data;
 
-  /// Completes the line by the option and the path.
-  explicit Report(const std::string& line, const std::string& option = "--report");
+  /// Completes the line by `--report` and the path.
+  explicit Report(const std::string& line);
 };
 
 /// The data of a page; fails the test where there is none.

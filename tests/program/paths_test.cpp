@@ -47,16 +47,16 @@ TEST(ProgramPaths, TellHowNearModelsCome) {
   const Folder folder;
   const std::string path =
       ball_and_square + folder.store("path.csv", "0,0,5,1,0,0,0\n0,0,2.5,1,0,0,0\n0,0,4,1,0,0,0\n");
-  const nlohmann::json distance = json_of("distance --absolute-error 1e-6" + path);
+  const nlohmann::json distance = json_of("distance --distance-error 1e-6" + path);
   EXPECT_EQ(distance["path_time"], 1);
   EXPECT_EQ(distance["upper"], 1.5);
   EXPECT_LE(distance["lower"].get<double>(), 1.5);
   EXPECT_NEAR(distance["lower"].get<double>(), 1.5, 1e-6);
   EXPECT_NE(answer_to("distance" + path).find("\npath time 1\n"), std::string::npos);
-  const nlohmann::json exact = json_of("distance --absolute-error 0" + path);
+  const nlohmann::json exact = json_of("distance --distance-error 0" + path);
   EXPECT_EQ(exact["upper"], 1.5);
   EXPECT_NEAR(exact["lower"].get<double>(), 1.5, 1e-11);
-  const nlohmann::json rough = json_of("distance --absolute-error 0.5" + path);
+  const nlohmann::json rough = json_of("distance --distance-error 0.5" + path);
   EXPECT_LE(rough["lower"].get<double>(), 1.5);
   EXPECT_GE(rough["upper"].get<double>(), 1.5);
   EXPECT_LT(rough["node_tests"], distance["node_tests"]);

@@ -62,7 +62,7 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   EXPECT_EQ(closest["count"], 1);
   EXPECT_EQ(closest["pairs"][0]["distance"], nearest->distance);
 
-  const std::vector<Row> rows = table_of(answer_to("self " + path + " --margin 0.3 --csv -"));
+  const std::vector<Row> rows = table_of(answer_to("self " + path + " --margin 0.3 --out -"));
   ASSERT_EQ(rows.size(), expected.size());
   for (const Contact& contact : expected) {
     const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
@@ -95,7 +95,7 @@ TEST(ProgramSelf, EachPairOfASoupComesOnceAsBruteForceFindsIt) {
   EXPECT_EQ(pairs_of(close), expected);
   EXPECT_EQ(close["count"], expected.size());
   EXPECT_EQ(close["intersecting"], meeting.size());
-  const nlohmann::json met = json_of("self " + path + " --limit 2");
+  const nlohmann::json met = json_of("self " + path + " --max-count 2");
   EXPECT_EQ(met["count"], meeting.size());
   EXPECT_EQ(pairs_of(met), (std::set(meeting.begin(), std::next(meeting.begin(), 2))));
 }

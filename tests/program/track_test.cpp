@@ -51,6 +51,17 @@ TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
   EXPECT_NEAR(number(rows[1].at("upper")), number(classic_rows[1].at("upper")), 1e-14);
 }
 
+TEST(ProgramTrack, WritesItsAnswerWhereItIsTold) {
+  const Folder folder;
+  const std::string line = "track --a scene:wave:0 scene:wave:1 --b scene:ball", out = folder.path("out.csv");
+  EXPECT_EQ(answer_to(line + " --out " + out), "");
+  EXPECT_EQ(table_of(text_of(out)).size(), 2U);
+  EXPECT_EQ(answer_to(line + " --json --out " + out), "");
+  EXPECT_EQ(lines_of(text_of(out)).size(), 2U);
+  EXPECT_EQ(lines_of(answer_to(line + " --out -")).size(), 3U);
+  expect_refused(line + " --out " + out + " --report " + out, "is where another output goes");
+}
+
 TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   const Folder folder;
   const Words waves = stored_waves(folder, 4);

@@ -145,7 +145,7 @@ bench_haptics() {
   for rate in 1000 5000; do
     say "one minute at $rate Hz"
     "$root/build/release/apps/limber/limber" haptics --rate "$rate" --seconds 60 --jitter-seconds 10 \
-      --page "$root/build/haptics_$rate.html" "$@" </dev/null | tee -- "$results/haptics_$rate.txt"
+      --report "$root/build/haptics_$rate.html" "$@" </dev/null | tee -- "$results/haptics_$rate.txt"
   done
 }
 

@@ -30,6 +30,18 @@ CLI::Option* add_json(CLI::App& command, bool& target, const std::string& descri
   return command.add_flag("--json", target, description);
 }
 
+void add_table(CLI::App& command, std::string& target, const std::string& description) {
+  command.add_option("--out", target, description + ", as CSV; - for standard output, which then has nothing else")
+      ->type_name("FILE");
+}
+
+void check_table(const CLI::App& command) {
+  const CLI::Option& out = *command.get_option("--out");
+  if (out.count() > 0 && out.as<std::string>() == "-" && command.get_option("--json")->count() > 0) {
+    throw CLI::ValidationError("--out", "leaves no room on standard output for --json");
+  }
+}
+
 CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told) {
   return command.add_flag("--exit-code", target,
                           fmt::format("exit with {} instead of 0 when {}", static_cast<int>(ExitCode::found), told));

@@ -20,7 +20,7 @@ namespace limber::program {
 namespace {
 
 struct BenchArguments {
-  std::string a, b, csv;
+  std::string a, b, out;
   BenchOptions options;
   std::uint64_t threads = 1;
   bool json = false;
@@ -96,17 +96,17 @@ ExitCode run(const BenchArguments& arguments) {
   const RigidModel a(load_mesh_argument(arguments.a), Engine::fast);
   std::optional<RigidModel> b;
   if (!arguments.b.empty()) b.emplace(load_mesh_argument(arguments.b), Engine::fast);
-  std::optional<OutputFile> csv;
-  if (!arguments.csv.empty())
-    csv.emplace("--csv", arguments.csv, Names{arguments.a, arguments.b}, Names{standard_output});
+  std::optional<OutputFile> out;
+  if (!arguments.out.empty())
+    out.emplace("--out", arguments.out, Names{arguments.a, arguments.b}, Names{standard_output});
   const Json json =
       json_of(arguments, a, b ? &*b : nullptr, run_bench(a.fast(), (b ? *b : a).fast(), arguments.options));
-  if (csv) {
+  if (out) {
     std::string text = "question,situation,poses,least_us,median_us\n";
     for (const Json& row : json["rows"]) text += csv_line(row);
-    csv->write(text);
+    out->write(text);
   }
-  arguments.json ? write(to_line(json)) : write_table(json);
+  if (arguments.out != "-") arguments.json ? write(to_line(json)) : write_table(json);
   return ExitCode::answered;
 }
 
@@ -139,7 +139,8 @@ Verb add_bench(CLI::App& app) {
       ->type_name("SECONDS");
   add_count(command, "--threads", arguments->threads, {1, 1024}, "for builds and refits");
   add_json(command, arguments->json, "answer with one JSON object");
-  command.add_option("--csv", arguments->csv, "where the rows are written, too")->type_name("FILE");
+  add_table(command, arguments->out, "where the rows are written");
+  command.parse_complete_callback([&command] { check_table(command); });
   command.footer(bench_help);
   return {&command, [arguments] { return run(*arguments); }};
 }

@@ -158,11 +158,8 @@ void add_contact_arguments(CLI::App& command, ContactArguments& arguments, const
   command.add_flag("--intersections", arguments.intersections,
                    "all pairs that intersect, by their ids alone: faster than --margin 0");
   add_count(command, "--closest", arguments.closest, {1, most_closest}, "the K closest pairs")->type_name("K");
-  command
-      .add_option("--csv", arguments.csv,
-                  "where a row for each pair is written; - for standard output, which then has nothing else")
-      ->type_name("FILE");
-  add_count(command, "--limit", arguments.limit, {0, std::numeric_limits<std::uint32_t>::max()},
+  add_table(command, arguments.out, "where a row for each pair is written");
+  add_count(command, "--max-count", arguments.max_count, {0, std::numeric_limits<std::uint32_t>::max()},
             "how many pairs are written at most; without it 10 as text, all as CSV or JSON");
   add_json(command, arguments.json, "answer with one JSON object");
   add_exit_code(command, arguments.exit_code, told);
@@ -175,10 +172,7 @@ bool check_contact_arguments(const CLI::App& command) {
     if (!question.empty()) throw CLI::ValidationError(question, "leaves no room for " + name);
     question = name;
   }
-  const CLI::Option& csv = *command.get_option("--csv");
-  if (csv.count() > 0 && csv.as<std::string>() == "-" && command.get_option("--json")->count() > 0) {
-    throw CLI::ValidationError("--csv", "leaves no room on standard output for --json");
-  }
+  check_table(command);
   return !question.empty();
 }
 
@@ -203,20 +197,20 @@ of objects with the names of the columns; point_a, point_b and normal are arrays
 }
 
 ContactOutput::ContactOutput(const ContactArguments& arguments, const Names& inputs) : arguments_(arguments) {
-  if (!arguments.csv.empty()) csv_.emplace("--csv", arguments.csv, inputs, Names{standard_output});
+  if (!arguments.out.empty()) out_.emplace("--out", arguments.out, inputs, Names{standard_output});
 }
 
-std::size_t ContactOutput::table_rows() const { return arguments_.limit.value_or(table_rows_unless_told); }
+std::size_t ContactOutput::table_rows() const { return arguments_.max_count.value_or(table_rows_unless_told); }
 
 std::size_t ContactOutput::room() const {
-  const bool is_all = csv_ || arguments_.json;
-  return is_all ? arguments_.limit.value_or(std::numeric_limits<std::size_t>::max()) : table_rows();
+  const bool is_all = out_ || arguments_.json;
+  return is_all ? arguments_.max_count.value_or(std::numeric_limits<std::size_t>::max()) : table_rows();
 }
 
 void ContactOutput::write(const FoundContacts& found, const std::function<Json()>& json,
                           const std::function<void()>& lines) {
-  if (csv_) write_csv(found);
-  if (arguments_.csv == "-") return;
+  if (out_) write_csv(found);
+  if (arguments_.out == "-") return;
   if (arguments_.json) return program::write(to_line(json()));
   lines();
   write_table(found, table_rows());
@@ -227,10 +221,10 @@ void ContactOutput::write_csv(const FoundContacts& found) {
   for (const FoundContact& contact : found.first) {
     text += csv_line(to_json(contact, found.detail));
     if (text.size() < csv_chunk_bytes) continue;
-    csv_->write(text);
+    out_->write(text);
     text.clear();
   }
-  csv_->write(text);
+  out_->write(text);
 }
 
 }  // namespace limber::program

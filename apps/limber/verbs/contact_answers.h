@@ -95,8 +95,8 @@ struct ContactArguments {
   std::optional<double> margin;
   bool intersections = false;
   std::optional<std::uint64_t> closest;
-  std::string csv;  // empty: no file
-  std::optional<std::uint64_t> limit;
+  std::string out;  // empty: no file
+  std::optional<std::uint64_t> max_count;
   bool json = false;
   bool exit_code = false;
 };
@@ -104,7 +104,7 @@ struct ContactArguments {
 /// `--margin`, with what it means.
 void add_margin(CLI::App& command, std::optional<double>& target, const std::string& description);
 
-/// `--margin`, `--intersections`, `--closest`, `--csv`, `--limit`, `--json`, and `--exit-code` with what it tells.
+/// `--margin`, `--intersections`, `--closest`, `--out`, `--max-count`, `--json`, and `--exit-code` with what it tells.
 void add_contact_arguments(CLI::App& command, ContactArguments& arguments, const std::string& told);
 
 /// To be called once everything is parsed: at most one of the first three options may be given, and standard output is
@@ -134,7 +134,7 @@ class ContactOutput {
   void write_csv(const FoundContacts& found);
 
   ContactArguments arguments_;
-  std::optional<OutputFile> csv_;
+  std::optional<OutputFile> out_;
 };
 
 }  // namespace limber::program

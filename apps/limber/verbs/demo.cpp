@@ -21,7 +21,7 @@ namespace {
 
 struct DemoArguments {
   DemoOptions demo;
-  std::string page = "limber-demo.html";
+  std::string report = "limber-demo.html";
   std::string command_line;
   bool is_unchecked = false;
   bool json = false;
@@ -79,8 +79,9 @@ void check(DemoRun& run, bool is_silent) {
 }
 
 void run(const DemoArguments& arguments) {
-  const std::string page = absolute_path(arguments.page);
-  OutputFile file("--out", page, {}, {standard_output});
+  if (arguments.report == "-") throw BadInput("--report: must name a file");
+  const std::string page = absolute_path(arguments.report);
+  OutputFile file("--report", page, {}, {standard_output});
   ProgressBar bar(arguments.demo.frames, "frames");
   DemoRun run = run_demo(arguments.demo, [&bar](std::size_t done) { bar.draw(done); });
   bar.clear();
@@ -108,7 +109,7 @@ Verb add_demo(CLI::App& app, const std::string& command_line) {
   add_count(command, "--seed", demo.seed, {}, "seed of the random dents");
   add_relative_error(command, demo.query.relative_error);
   add_deforming(command, demo.model);
-  command.add_option("--out", arguments->page, "where the page is written")
+  command.add_option("--report", arguments->report, "where the page is written")
       ->type_name("FILE")
       ->capture_default_str()
       ->take_last();

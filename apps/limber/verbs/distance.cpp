@@ -21,7 +21,7 @@ struct DistanceArguments {
   PairArguments pair;
   std::string pairs, parts, out = "-";
   DistanceOptions options;
-  std::optional<double> path_error, min_clearance;
+  std::optional<double> distance_error, min_clearance;
   ReportArguments report;
   VertexFiles vertices;
 };
@@ -30,10 +30,10 @@ DistanceQuestion question_of(const DistanceArguments& arguments) {
   return {arguments.options, arguments.min_clearance, arguments.pair.exit_code || arguments.min_clearance};
 }
 
-/// The least distance on a path, which is certified within the absolute error, or the usual one.
-DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<double> absolute_error) {
+/// The least distance on a path.
+DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<double> distance_error) {
   const Stopwatch asking;
-  const PathDistance found = path.min_distance(pair.a().model.fast(), pair.b().model.fast(), absolute_error);
+  const PathDistance found = path.min_distance(pair.a().model.fast(), pair.b().model.fast(), distance_error);
   DistanceAnswer answer;
   answer.elapsed_us = asking.microseconds();
   answer.path_time = found.time;
@@ -53,8 +53,8 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
   std::optional<ReportFile> report;
   if (!arguments.report.path.empty()) report.emplace(arguments.report, inputs);
   const DistanceQuestion question = question_of(arguments);
-  const DistanceAnswer answer =
-      pair.path() ? answer_on_path(*pair.path(), pair, arguments.path_error) : answer_to(question, pair.a(), pair.b());
+  const DistanceAnswer answer = pair.path() ? answer_on_path(*pair.path(), pair, arguments.distance_error)
+                                            : answer_to(question, pair.a(), pair.b());
   if (report) report->write(distance_report(arguments.pair, pair, question, answer));
   vertices.write(pair.a(), pair.b());
   if (arguments.pair.json) {
@@ -97,7 +97,7 @@ model has the other inside, a warning says so, and inside in JSON and CSV is a_i
 
 constexpr const char* path_answer_help = R"(
 With --path-a or --path-b the answer is the least distance on the whole path, and path_time when the models are so near.
-lower and upper are at most --absolute-error apart; without it 2^-10 of the sum of the radii of both models, or of the
+lower and upper are at most --distance-error apart; without it 2^-10 of the sum of the radii of both models, or of the
 distance if that is larger; with 0 they are as close as it gets, which may take long. There is no clash then.
 )";
 
@@ -148,10 +148,13 @@ void check_options(const CLI::App& command, const DistanceArguments& arguments) 
   }
   if (is_given("--pairs") && is_given("--parts")) throw CLI::ValidationError("--pairs", "leaves no room for --parts");
   for (const char* const path : {"--path-a", "--path-b"}) {
-    for (const char* const name :
-         {"--relative-error", "--max-distance", "--min-clearance", "--report", "--vertices-a", "--vertices-b"}) {
+    for (const char* const name : {"--relative-error", "--absolute-error", "--max-distance", "--min-clearance",
+                                   "--report", "--vertices-a", "--vertices-b"}) {
       if (is_given(path) && is_given(name)) throw CLI::ValidationError(path, std::string("leaves no room for ") + name);
     }
+  }
+  if (is_given("--distance-error") && !is_given("--path-a") && !is_given("--path-b")) {
+    throw CLI::ValidationError("--distance-error", "belongs to --path-a and --path-b");
   }
   if (file == nullptr && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs and --parts");
   if (arguments.min_clearance > arguments.options.max_distance) {
@@ -173,6 +176,9 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
       "a pair is at most --max-distance apart, or a hard clash; where --min-clearance is given, that decides");
   for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
   add_distance_options(command, arguments->options);
+  add_number(command, "--distance-error", arguments->distance_error, not_negative,
+             "with --path-a and --path-b: how far apart lower and upper are at most; 0 is as exact as it gets")
+      ->type_name("LENGTH");
   add_min_clearance(
       command, arguments->min_clearance,
       "exit with 3 instead of 0 when a pair is closer than this length, or a hard clash; at most --max-distance");
@@ -195,10 +201,7 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
              "also write a page that shows the answer: both meshes, a section, their distance in colours; or all "
              "pairs, the worst first");
   add_vertex_files(command, arguments->vertices);
-  command.parse_complete_callback([&command, arguments] {
-    check_options(command, *arguments);
-    if (command.get_option("--absolute-error")->count() > 0) arguments->path_error = arguments->options.absolute_error;
-  });
+  command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
   command.footer(std::string(help_text) + clash_help + vertex_files_help + path_answer_help + path_help + pairs_help +
                  spaced(pairs_answer_columns()));
   return {&command, [arguments] { return run(*arguments); }};

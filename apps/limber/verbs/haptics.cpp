@@ -33,7 +33,7 @@ struct Arguments {
   LoopOptions loop;
   std::optional<double> tick_budget_us;
   std::optional<std::uint64_t> core, max_missed;
-  std::string out, page, command_line;
+  std::string out, report, command_line;
   bool is_quiet = false;
   bool json = false;
 };
@@ -61,12 +61,12 @@ void check(const Arguments& arguments) {
   if (loop.spin_us * loop.scene.rate_hz >= 1e6) {
     throw BadInput(fmt::format("--spin-us: must be less than the period of {:g} us", 1e6 / loop.scene.rate_hz));
   }
-  for (const auto& [option, path] : {std::pair("--out", arguments.out), std::pair("--page", arguments.page)}) {
+  for (const auto& [option, path] : {std::pair("--out", arguments.out), std::pair("--report", arguments.report)}) {
     if (loop.is_empty && !path.empty()) throw BadInput(fmt::format("{}: has nothing to tell of --empty", option));
-    if (path == "-") throw BadInput(fmt::format("{}: must name a file", option));
     check_output(option, path, {}, {standard_output});
   }
-  check_output("--out", arguments.out, {}, {arguments.page});
+  if (arguments.report == "-") throw BadInput("--report: must name a file");
+  check_output("--out", arguments.out, {}, {arguments.report});
 }
 
 /// Opened before the loop, so that a path that cannot be written is told at once.
@@ -80,12 +80,12 @@ ExitCode run(const Arguments& arguments) {
   options.core = chosen_core(arguments);
   options.scene.tick_budget = tick_budget(arguments);
   options.shows_progress = !arguments.is_quiet && is_terminal(stderr);
-  const std::unique_ptr<OutputFile> out = opened("--out", arguments.out), page = opened("--page", arguments.page);
+  const std::unique_ptr<OutputFile> out = opened("--out", arguments.out), report = opened("--report", arguments.report);
   const HapticRun run = run_haptics(options);
   const HapticSummary summary = summary_of(run);
   if (out) out->write(ticks_csv(run));
-  if (page) page->write(haptic_page(run, summary, arguments.command_line));
-  write(arguments.json ? to_line(to_json(run, summary)) : summary_text(run, summary));
+  if (report) report->write(haptic_page(run, summary, arguments.command_line));
+  if (arguments.out != "-") write(arguments.json ? to_line(to_json(run, summary)) : summary_text(run, summary));
   const bool misses_too_many = arguments.max_missed && summary.missed > *arguments.max_missed;
   return misses_too_many ? ExitCode::found : ExitCode::answered;
 }
@@ -109,7 +109,7 @@ void add_scene_options(CLI::App& command, Arguments& arguments) {
   add_count(command, "--tissue", scene.tissue_triangles, triangle_range, "how many triangles the tissue has, at most");
   add_count(command, "--tool", scene.tool_triangles, triangle_range, "how many triangles the tool has, at most");
   add_relative_error(command, scene.relative_error);
-  add_number(command, "--tick-budget", arguments.tick_budget_us,
+  add_number(command, "--tick-budget-us", arguments.tick_budget_us,
              {std::numeric_limits<double>::denorm_min(), 1e6, "a number > 0, at most 1e6"},
              "how long the work of a tick may take: the query has what moves and commit leave; without it 45 % of the "
              "period, at most 130")
@@ -127,10 +127,11 @@ Verb add_haptics(CLI::App& app, const std::string& command_line) {
   add_count(command, "--core", arguments->core, {0, 1023}, "the core that the loop runs on; without it the last");
   add_count(command, "--max-missed", arguments->max_missed, {0, most_ticks},
             "exit with 3 instead of 0 when more ticks than that have missed their period");
-  command.add_option("--out", arguments->out, "where a row for each tick is written, as CSV")->type_name("FILE");
-  command.add_option("--page", arguments->page, "where a page with charts is written")->type_name("FILE");
+  add_table(command, arguments->out, "where a row for each tick is written");
+  command.add_option("--report", arguments->report, "also write a page with charts")->type_name("FILE");
   command.add_flag("--quiet", arguments->is_quiet, "show no progress");
   add_json(command, arguments->json, "answer with one JSON object instead of a table");
+  command.parse_complete_callback([&command] { check_table(command); });
   command.footer(R"(
 Each tick moves the tool along a path that depends on the tick's number alone, dents the tissue below it and lets
 earlier dents come back, commits, asks for the distance in what is left of the tick's budget, and answers with the

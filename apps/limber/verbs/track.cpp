@@ -12,7 +12,6 @@
 
 #include "command/options.h"
 #include "command/output.h"
-#include "command/terminal.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -41,6 +40,7 @@ struct TrackArguments {
   bool ignore_crossings = false;
   std::uint64_t loops = 1;
   bool json = false;
+  std::string out = "-";
   ReportArguments report;
   std::uint64_t max_report_megabytes = 60;
 };
@@ -175,7 +175,7 @@ ReplayedModel replayed(const ModelArguments& arguments, const TrackedModel& mode
   return {shown_name(arguments.frames.front()), model.model().mesh(), model.mesh_count() > 1, model.pose_count() > 1};
 }
 
-/// All files that are read, so that the report does not overwrite one of them.
+/// All files that are read, so that no output overwrites one of them.
 Names inputs_of(const TrackArguments& arguments) {
   Names inputs = {arguments.a.poses, arguments.b.poses};
   for (const ModelArguments* const model : {&arguments.a, &arguments.b}) {
@@ -194,25 +194,27 @@ ExitCode run(const TrackArguments& arguments) {
   if (arguments.continuous && frame_count == 1) throw BadInput("--continuous: there is one frame alone");
   const Asked asked = asked_pairs(arguments, a, b);
   const Names contact_names = names_of(asked.contacts), impact_names = names_of(asked.impacts);
-  std::optional<ReportFile> page;
+  const Names inputs = inputs_of(arguments);
+  check_output("--report", arguments.report.path, inputs, {arguments.out});
   std::optional<Replay> replay;
   if (!arguments.report.path.empty()) {
-    page.emplace(arguments.report, inputs_of(arguments));
     replay.emplace(Replay::Sequence{frame_count, row_count, contact_names, impact_names, words_of(arguments.model),
                                     arguments.query, arguments.min_clearance, arguments.max_report_megabytes},
                    std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
   }
+  OutputFile out("--out", arguments.out, inputs, {});
+  std::optional<ReportFile> page;
+  if (replay) page.emplace(arguments.report, inputs);
   ProgressBar bar(row_count, "frames");
-  if (!arguments.json) write(track_csv_header(arguments.min_clearance.has_value(), contact_names, impact_names));
+  if (!arguments.json) out.write(track_csv_header(arguments.min_clearance.has_value(), contact_names, impact_names));
   ExitCode exit_code = ExitCode::answered;
   for (std::size_t r = 0; r < row_count; ++r) {
     bar.draw(r);
     const TrackRow row = track_frame(a, b, asked, r, r % frame_count, arguments);
     if (row.too_close.value_or(false)) exit_code = ExitCode::found;
     if (replay) replay->add(row, {a.state(), b.state()});
-    if (is_terminal(stdout)) bar.clear();
-    write((arguments.json ? to_line : csv_line)(to_json(row)));
-    flush();
+    if (out.is_terminal()) bar.clear();
+    out.write((arguments.json ? to_line : csv_line)(to_json(row)));
   }
   if (!replay) return exit_code;
   if (replay->stride() > 1) {
@@ -302,6 +304,9 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
       ->needs(continuous);
   add_count(command, "--loop", arguments->loops, {1, max_loops}, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
+  command.add_option("--out", arguments->out, "where the answer is written, - for standard output")
+      ->type_name("FILE")
+      ->capture_default_str();
   CLI::Option* const report =
       add_report(command, arguments->report,
                  "also write a page that plays the frames, with charts of distances, times and contacts");

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** The view of `limber haptics --page`: what apps/limber/haptics/haptic_page.cpp writes. */
+/** The view of `limber haptics --report`: what apps/limber/haptics/haptic_page.cpp writes. */
 
 import { Chart } from '../replay/chart.ts';
 import type { ChartOptions } from '../replay/chart.ts';

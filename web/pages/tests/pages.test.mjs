@@ -100,12 +100,12 @@ before(async () => {
   const partHeads = 'name,model,pose_tx';
   study('parts', '--parts', [partHeads, ...partRows], '--min-clearance', '0.5', '--title', 'All <parts>');
   study('far', '--parts', [partHeads, `a,${box},0`, `b,${box},9`], '--max-distance', '2', '--min-clearance', '1');
-  const demo = (name, ...words) => limber('demo', '--json', '--out', path(name), ...words);
+  const demo = (name, ...words) => limber('demo', '--json', '--report', path(name), ...words);
   demo('usual');
   demo('few', '--frames', '30', '--relative-error', '0.3', '--no-check');
   demo('thinned', '--frames', '300', '--dents-per-frame', '60', '--no-check');
   const small = ['--rate', '200', '--tissue', '4000', '--tool', '1000'];
-  limber('haptics', ...small, '--seconds', '0.5', '--jitter-seconds', '0.1', '--json', '--page', path('loop'));
+  limber('haptics', ...small, '--seconds', '0.5', '--jitter-seconds', '0.1', '--json', '--report', path('loop'));
   browser = await launch();
 });
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /**
- * The page of `--report`, `limber demo` and `limber haptics`: two models as they stand, a study of many pairs, a replay
- * of frames if it has rows, or the times of a force loop.
+ * The page of `--report`: two models as they stand, a study of many pairs, a replay of frames if it has rows, or the
+ * times of a force loop.
  */
 
 import { showHaptics } from '../haptics/haptics.ts';
