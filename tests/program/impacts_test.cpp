@@ -61,7 +61,7 @@ TEST(ProgramImpacts, AreFoundBetweenFramesThatAreApart) {
   EXPECT_TRUE(crossing["touch"]["feature_a"].is_null() && crossing["touch"]["feature_b"].is_null());
   for (std::size_t f = 0; f < 6; ++f) {
     nlohmann::json impact = objects[f]["impact"];
-    EXPECT_EQ(rows[f].at("impact_us").empty(), f == 0);
+    EXPECT_EQ(rows[f].at("impact_query_us").empty(), f == 0);
     impact.erase("query_us");
     expect_same(rows[f], impact, "impact_");
   }
@@ -76,7 +76,7 @@ TEST(ProgramImpacts, LeaveOtherColumnsAsTheyAre) {
   const std::string header = lines_of(answer_to(line))[0], all = lines_of(answer_to(line + " --self --contacts"))[0];
   line.erase(line.find(" --continuous"), std::string(" --continuous").size());
   const std::string columns =
-      "us,status,lower,upper,triangle_a,triangle_b,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
+      "query_us,status,lower,upper,triangle_a,triangle_b,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
       "normal_x,normal_y,normal_z,feature_a,feature_b,face_a,face_b";
   const auto prefixed = [&](const std::string& name) {
     std::string text = ',' + name + columns;

@@ -20,8 +20,8 @@ TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
   EXPECT_EQ(json["vertices"], 9);
   EXPECT_EQ(json["triangles"], 5);
   EXPECT_EQ(json["faces"], 4);
-  EXPECT_EQ(json["extent"]["min"], (std::vector<double>{0, 0, 0}));
-  EXPECT_EQ(json["extent"]["max"], (std::vector<double>{7, 7, 7}));
+  EXPECT_EQ(json["extent"]["low"], (std::vector<double>{0, 0, 0}));
+  EXPECT_EQ(json["extent"]["high"], (std::vector<double>{7, 7, 7}));
   EXPECT_DOUBLE_EQ(json["extent"]["diagonal"].get<double>(), std::sqrt(147.0));
   EXPECT_EQ(json["open_edges"], 2 + 2 + 3);
   EXPECT_EQ(json["non_manifold_edges"], 1);
@@ -62,7 +62,7 @@ TEST(ProgramInfo, TellsNearlyDegenerateFromDegenerate) {
 TEST(ProgramInfo, TextNamesEveryCount) {
   const std::string text = answer_to("info scene:sheet");
   for (const char* line : {"vertices               10201\n", "triangles              20000\n",
-                           "open edges             400\n", " of them leaves\n", "extent max             100 100 0\n"}) {
+                           "open edges             400\n", " of them leaves\n", "extent high            100 100 0\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   }
 }

@@ -38,7 +38,7 @@ TEST(ProgramPoints, AnswersEachRowAsBruteForceDoes) {
   const std::string csv = answer_to(line);
   EXPECT_EQ(lines_of(csv).front(),
             "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2,"
-            "inside,winding_number");
+            "is_inside,winding_number");
   const std::vector<Row> rows = table_of(csv);
   const std::vector<nlohmann::json> objects = json_lines_of(run(line + " --json"));
   ASSERT_EQ(rows.size(), points.size());
@@ -55,8 +55,8 @@ TEST(ProgramPoints, AnswersEachRowAsBruteForceDoes) {
     EXPECT_EQ(object["row"], i);
     EXPECT_EQ(number(row.at("y")), points[i].y);
     EXPECT_EQ(object["point"][2], points[i].z);
-    EXPECT_EQ(row.at("inside"), is_inside ? "true" : "false");
-    EXPECT_EQ(object["inside"], is_inside);
+    EXPECT_EQ(row.at("is_inside"), is_inside ? "true" : "false");
+    EXPECT_EQ(object["is_inside"], is_inside);
     EXPECT_NEAR(number(row.at("winding_number")), is_inside ? 1 : 0, 1e-12);
     EXPECT_EQ(object["winding_number"], number(row.at("winding_number")));
     if (!truth.closest) {
@@ -71,7 +71,7 @@ TEST(ProgramPoints, AnswersEachRowAsBruteForceDoes) {
     EXPECT_EQ(number(row.at("distance")), distance);
     EXPECT_EQ(object["distance"], distance);
     EXPECT_EQ(number(row.at("closest_z")), truth.closest->position.z);
-    EXPECT_EQ(object["closest"]["point"][0], truth.closest->position.x);
+    EXPECT_EQ(object["closest"]["position"][0], truth.closest->position.x);
     EXPECT_EQ(row.at("triangle"), std::to_string(truth.closest->triangle));
     EXPECT_EQ(object["closest"]["face"], std::stoi(row.at("face")));
     EXPECT_EQ(object["closest"]["feature"], row.at("feature"));

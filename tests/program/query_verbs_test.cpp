@@ -199,7 +199,7 @@ TEST(ProgramWithin, IsClosedAndTheSameForAllEngines) {
     EXPECT_LE(length(point_of(json["witness"]["point_a"]) - point_of(json["witness"]["point_b"])), 2.5) << engine;
   }
   const std::string text = answer_to(both + " --max-distance 0.5");
-  EXPECT_EQ(text.find("within    yes\nlimit     0.5\npoint a   "), 0U) << text;
+  EXPECT_EQ(text.find("within    yes\nmax distance 0.5\npoint a   "), 0U) << text;
 }
 
 }  // namespace

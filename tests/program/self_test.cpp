@@ -24,14 +24,14 @@ TEST(ProgramSelf, AStripThatIsFoldedThroughItselfMeetsItselfInThreePairs) {
   const Folder folder;
   const std::string strip = folder.store("strip.obj", folded_strip(0.2, -0.2));
   const std::string text = answer_to("self " + strip);
-  EXPECT_EQ(text.find("meets     yes\npairs     3\nstatus    collision\nlower     0\nupper     0\npoint a   0."), 0U)
+  EXPECT_EQ(text.find("collision yes\npairs     3\nstatus    collision\nlower     0\nupper     0\npoint a   0."), 0U)
       << text;
   EXPECT_NE(text.find("\n\ntriangle a  triangle b\n         0           6\n         0           7\n"),
             std::string::npos)
       << text;
   const nlohmann::json json = json_of("self " + strip);
   EXPECT_EQ(json["query"], "self");
-  EXPECT_EQ(json["meets_itself"], true);
+  EXPECT_EQ(json["is_yes"], true);
   EXPECT_EQ(json["count"], 3);
   EXPECT_EQ(json["intersecting"], 3);
   EXPECT_EQ(pairs_of(json), crossings_of_the_strip);
@@ -40,7 +40,7 @@ TEST(ProgramSelf, AStripThatIsFoldedThroughItselfMeetsItselfInThreePairs) {
   for (const std::string which : {" --intersections", " --margin 0", " --margin 0.001"}) {
     const nlohmann::json found = json_of("self " + strip + which);
     EXPECT_EQ(pairs_of(found), crossings_of_the_strip);
-    EXPECT_EQ(found["meets_itself"], true);
+    EXPECT_EQ(found["is_yes"], true);
     EXPECT_TRUE(found["distance"].is_null());
   }
 }
@@ -53,7 +53,7 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   const auto nearest = std::min_element(expected.begin(), expected.end(),
                                         [](const Contact& a, const Contact& b) { return a.distance < b.distance; });
   const nlohmann::json overview = json_of("self " + path);
-  EXPECT_EQ(overview["meets_itself"], false);
+  EXPECT_EQ(overview["is_yes"], false);
   EXPECT_EQ(overview["count"], 0);
   EXPECT_EQ(overview["distance"]["status"], "exact");
   EXPECT_EQ(overview["distance"]["upper"], nearest->distance);
@@ -74,7 +74,7 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   }
   // The last square lies flat over the first.
   const std::string text = answer_to("self " + path + " --margin 0.1");
-  EXPECT_EQ(text.find("meets     no\npairs     0, 0 of them at distance 0\ntests"), 0U) << text;
+  EXPECT_EQ(text.find("collision no\npairs     0, 0 of them at distance 0\ntests"), 0U) << text;
   EXPECT_NE(rows.front().at("distance"), "0.25");
   EXPECT_EQ(rows.back().at("distance"), "0.25");
 }
@@ -107,14 +107,14 @@ TEST(ProgramSelf, NeighborsDoNotCount) {
       folder.store("tips.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 4 5 6\n");
   for (const std::string& model : {folder.store("square.obj", two_triangles()), tip_to_tip}) {
     const nlohmann::json json = json_of("self " + model);
-    EXPECT_EQ(json["meets_itself"], false);
+    EXPECT_EQ(json["is_yes"], false);
     EXPECT_EQ(json["distance"]["status"], "beyond_limit");
     for (const char* key : {"lower", "upper", "witness"}) EXPECT_TRUE(json["distance"][key].is_null()) << key;
     EXPECT_EQ(json_of("self " + model + " --margin 1e9")["count"], 0);
-    EXPECT_EQ(answer_to("self " + model).find("meets     no\npairs     0\nstatus    beyond_limit\n"), 0U);
+    EXPECT_EQ(answer_to("self " + model).find("collision no\npairs     0\nstatus    beyond_limit\n"), 0U);
   }
   const nlohmann::json ball = json_of("self scene:ball");
-  EXPECT_EQ(ball["meets_itself"], false);
+  EXPECT_EQ(ball["is_yes"], false);
   EXPECT_GT(ball["distance"]["lower"].get<double>(), 0.01);
 }
 

@@ -254,7 +254,7 @@ TEST(ProgramTrackContacts, EachFrameHasTheContactsOfStillModels) {
     EXPECT_EQ(contact["intersecting"], still["intersecting"]);
     EXPECT_EQ(contact["count"] > 0, f > 0);
     EXPECT_EQ(contact["pair"], f == 0 ? nlohmann::json(nullptr) : still["pairs"][0]);
-    EXPECT_GT(number(rows[f].at("contact_us")), 0);
+    EXPECT_GT(number(rows[f].at("contact_query_us")), 0);
     EXPECT_GT(contact["query_us"].get<double>(), 0);
     contact.erase("query_us");
     expect_same(rows[f], contact, "contact_");
@@ -295,7 +295,7 @@ TEST(ProgramTrackContacts, OtherColumnsStayAsTheyAre) {
   const auto header_with = [&](const std::string& options) { return lines_of(answer_to(line + options)).at(0); };
   const std::string without = header_with(""), contacts = header_with(" --contacts");
   EXPECT_EQ(header_with(" --contacts --self"), contacts + header_with(" --self").substr(without.size()));
-  EXPECT_EQ(contacts.find(without + ",contact_us,contact_count,contact_intersecting,"
+  EXPECT_EQ(contacts.find(without + ",contact_query_us,contact_count,contact_intersecting,"
                                     "contact_triangle_a,contact_triangle_b,contact_distance,"),
             0U);
 }

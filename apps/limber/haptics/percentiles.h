@@ -16,7 +16,7 @@ struct PercentileLevel {
   std::uint64_t part;  ///< that many of 10 000 values are not above the percentile
 };
 inline constexpr std::array<PercentileLevel, 5> percentile_levels = {
-    {{"p50", 5000}, {"p90", 9000}, {"p99", 9900}, {"p99.9", 9990}, {"p99.99", 9999}}};
+    {{"median", 5000}, {"p90", 9000}, {"p99", 9900}, {"p99.9", 9990}, {"p99.99", 9999}}};
 
 /// Percentiles by the nearest rank, so each of them is one of the values. Those above which there would be no value are
 /// left out, as they would only be the largest.

@@ -86,7 +86,7 @@ ExitCode run(const CollideArguments& arguments) {
     write(to_line(json));
   } else {
     write_line("{:<10}{}", fact, result.is_yes() ? "yes" : "no");
-    if (arguments.max_distance) write_line("limit     {}", to_text(*arguments.max_distance));
+    if (arguments.max_distance) write_line("max distance {}", to_text(*arguments.max_distance));
     if (solids) write_line("solids    {}", to_text(*solids));
     write_lines(witness);
     if (path_time) write_line("path time {}", to_text(*path_time));

@@ -133,9 +133,9 @@ ExitCode run(const SelfArguments& arguments) {
   ContactOutput output(arguments.contacts, {arguments.model});
   const SelfAnswer answer = answer_to(arguments.contacts, model, output.room());
   const FoundContacts& found = answer.found;
-  const bool meets_itself = found.intersecting_count > 0;
+  const bool is_yes = found.intersecting_count > 0;
   const auto json = [&] {
-    Json object = {{"query", "self"}, {"meets_itself", meets_itself}};
+    Json object = {{"query", "self"}, {"is_yes", is_yes}};
     object["margin"] = to_json(arguments.contacts.margin);
     object["closest"] = to_json(arguments.contacts.closest);
     object["distance"] = nullptr;
@@ -145,7 +145,7 @@ ExitCode run(const SelfArguments& arguments) {
     return object;
   };
   output.write(found, json, [&] {
-    write_line("meets     {}", meets_itself ? "yes" : "no");
+    write_line("collision {}", is_yes ? "yes" : "no");
     write_count_line(found);
     if (answer.distance) write_distance_lines(*answer.distance, answer.witness);
     write_work_lines(answer.stats, model.build_us(), answer.elapsed_us);
@@ -154,11 +154,11 @@ ExitCode run(const SelfArguments& arguments) {
 }
 
 constexpr const char* self_help = R"(
-Without --margin, --intersections and --closest the answer is whether the model meets itself, in which pairs of
-triangles, and the shortest distance of two triangles that are no neighbors: status, lower, upper and witness as limber
-distance tells them, in JSON an object distance. Where all triangles are neighbors, status is beyond_limit. With
---closest the count is less than K where there are fewer pairs; which of several equally close ones are among the K is
-not defined.
+Without --margin, --intersections and --closest the answer is whether the model meets itself, in JSON is_yes, in which
+pairs of triangles, and the shortest distance of two triangles that are no neighbors: status, lower, upper and witness
+as limber distance tells them, in JSON an object distance. Where all triangles are neighbors, status is beyond_limit.
+With --closest the count is less than K where there are fewer pairs; which of several equally close ones are among the K
+is not defined.
 
 Triangles that share a vertex are neighbors. They meet only if they have a point in common beyond what they share: the
 vertex, the edge between two, or all of a triangle of the same three. That is decided exactly; otherwise such a pair

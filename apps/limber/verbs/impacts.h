@@ -49,7 +49,7 @@ FrameImpact find_impact(const std::string& name, std::size_t frame, const FrameM
 /// One object, whose values are the cells under these columns; each column starts with the name and an underscore.
 Json to_json(const FrameImpact& impact);
 inline constexpr const char* impact_columns =
-    "us,status,lower,upper,triangle_a,triangle_b,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
+    "query_us,status,lower,upper,triangle_a,triangle_b,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
     "normal_x,normal_y,normal_z,feature_a,feature_b,face_a,face_b";
 
 }  // namespace limber::program

@@ -91,7 +91,7 @@ Json as_json(const Info& info) {
       {"vertices", info.vertices},
       {"triangles", info.triangles},
       {"faces", info.faces},
-      {"extent", {{"min", to_json(info.box.low)}, {"max", to_json(info.box.high)}, {"diagonal", info.diagonal()}}},
+      {"extent", {{"low", to_json(info.box.low)}, {"high", to_json(info.box.high)}, {"diagonal", info.diagonal()}}},
       {"open_edges", info.edges.open},
       {"non_manifold_edges", info.edges.non_manifold},
       {"closed", info.edges.are_closed()},
@@ -113,8 +113,8 @@ void write_lines(const Info& info) {
   write_line("vertices               {}", info.vertices);
   write_line("triangles              {}", info.triangles);
   write_line("faces                  {}", info.faces);
-  write_line("extent min             {}", to_text(info.box.low, " "));
-  write_line("extent max             {}", to_text(info.box.high, " "));
+  write_line("extent low             {}", to_text(info.box.low, " "));
+  write_line("extent high            {}", to_text(info.box.high, " "));
   write_line("diagonal               {}", to_text(info.diagonal()));
   write_line("open edges             {}", info.edges.open);
   write_line("non-manifold edges     {}", info.edges.non_manifold);

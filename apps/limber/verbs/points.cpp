@@ -78,7 +78,7 @@ class PointAsker {
 std::string columns_of(const PointsArguments& arguments) {
   std::string columns =
       "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2";
-  if (arguments.is_signed) columns += ",inside";
+  if (arguments.is_signed) columns += ",is_inside";
   if (arguments.has_winding_number) columns += ",winding_number";
   return columns;
 }
@@ -88,13 +88,13 @@ Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, co
   Json json = {{"row", number}, {"point", to_json(point)}, {"distance", nullptr}, {"closest", nullptr}};
   if (const std::optional<SurfacePoint>& closest = answer.result.closest) {
     json["distance"] = answer.distance();
-    json["closest"] = {{"point", to_json(closest->position)},
+    json["closest"] = {{"position", to_json(closest->position)},
                        {"triangle", closest->triangle},
                        {"face", model.face_of(closest->triangle)},
                        {"feature", to_text(closest->feature)},
                        {"weights", to_json(closest->weights)}};
   }
-  if (answer.is_inside) json["inside"] = *answer.is_inside;
+  if (answer.is_inside) json["is_inside"] = *answer.is_inside;
   if (answer.winding_number) json["winding_number"] = *answer.winding_number;
   return json;
 }
@@ -135,8 +135,8 @@ vertex 0 to vertex 1; or "face". weight_0 to weight_2 are what the corners of th
 Where nothing is as close as --max-distance, these cells are empty, and distance and closest null in JSON. row counts
 from 0.
 
---signed needs a closed model: every edge belongs to two triangles that run through it in opposite directions. inside is
-decided exactly. --winding-number tells about any other model: the part of the point's surroundings that it covers,
+--signed needs a closed model: every edge belongs to two triangles that run through it in opposite directions. is_inside
+is decided exactly. --winding-number tells about any other model: the part of the point's surroundings that it covers,
 about 1 inside and 0 outside where normals point outward, so 0.5 parts them. It looks at every triangle for every
 point.
 

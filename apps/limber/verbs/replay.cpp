@@ -61,7 +61,7 @@ std::string track_csv_header(bool has_clearance, const Names& contact_names, con
   std::string header =
       fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,primitive_tests{}",
                   distance_columns, witness_columns, has_clearance ? ",too_close" : "");
-  const std::string of_contacts = "us,count,intersecting," + contact_columns(ContactDetail::all);
+  const std::string of_contacts = "query_us,count,intersecting," + contact_columns(ContactDetail::all);
   for (const std::string& name : contact_names) header += prefixed(name, of_contacts);
   for (const std::string& name : impact_names) header += prefixed(name, impact_columns);
   return header + '\n';

@@ -247,20 +247,20 @@ says first whether it is kept, starts with the worst frame, and lists all, the w
 is shown within 2^-16 of the diagonal of its first frame in each coordinate.
 
 --contacts adds columns that start with contact_, and --self those that start with self_a_ and self_b_ for each model
-that deforms: us, the time of the query; count, of all pairs at most --margin apart; intersecting, those at distance 0;
-and the deepest pair or else the nearest, under the names that limber contacts has. Its cells are empty where there is
-no pair. In JSON they are an object contact, self_a or self_b, with query_us, count, intersecting and pair, or null.
+that deforms: query_us; count, of all pairs at most --margin apart; intersecting, those at distance 0; and the deepest
+pair or else the nearest, under the names that limber contacts has. Its cells are empty where there is no pair. In JSON
+they are an object contact, self_a or self_b, with query_us, count, intersecting and pair, or null.
 
 --continuous adds columns that start with impact_, about the way from the frame before: vertices, as placed, move on
 straight lines at constant speed. No contact is missed, however short. With --self, those that start with impact_self_a_
-and impact_self_b_ are about each model that deforms: elements that share no vertex. us is the time of the query. status
-is clear, contact, or initial_contact where the frame before has one already. The first contact is between lower and
-upper, times in frames: 1.25 is a quarter of the way from frame 1 to frame 2. Then feature_a of triangle_a touches
-feature_b of triangle_b: "vertex 0" to "vertex 2", "edge 0" to "edge 2" or "face", as in limber contacts. There is none
-where triangles cross in the frame before; with --ignore-crossings they may go on, and only these parts count. Points,
-and the normal from a to b, are in the world frame. Cells are empty in the first frame, and after status where it is
-clear. In JSON they are an object impact, impact_self_a or impact_self_b, with query_us, status, lower, upper and touch.
-On straight lines a model that turns shrinks, by 0.4 % at 10 degrees; --path-a of limber collide is for rigid models.
+and impact_self_b_ are about each model that deforms: elements that share no vertex. After query_us, status is clear,
+contact, or initial_contact where the frame before has one already. The first contact is between lower and upper, times
+in frames: 1.25 is a quarter of the way from frame 1 to frame 2. Then feature_a of triangle_a touches feature_b of
+triangle_b: "vertex 0" to "vertex 2", "edge 0" to "edge 2" or "face", as in limber contacts. There is none where
+triangles cross in the frame before; with --ignore-crossings they may go on, and only these parts count. Points, and the
+normal from a to b, are in the world frame. Cells are empty in the first frame, and after status where it is clear. In
+JSON they are an object impact, impact_self_a or impact_self_b, with query_us, status, lower, upper and touch. On
+straight lines a model that turns shrinks, by 0.4 % at 10 degrees; --path-a of limber collide is for rigid models.
 )";
 
 }  // namespace
