@@ -18,8 +18,8 @@ const std::string raised_ball = " scene:ball scene:square --pose-a ";
 
 TEST(ProgramDistance, PrintsExactlyTheDocumentedKeys) {
   const nlohmann::json json = json_of("distance scene:ball scene:square");
-  EXPECT_EQ(keys_of(json), (Words{"build_us", "clash", "inside", "lower", "node_tests", "query", "query_us", "solids",
-                                  "status", "too_close", "primitive_tests", "upper", "witness"}));
+  EXPECT_EQ(keys_of(json), (Words{"build_us", "clash", "max_depth", "inside", "lower", "node_tests", "query",
+                                  "query_us", "solids", "status", "too_close", "primitive_tests", "upper", "witness"}));
   EXPECT_EQ(keys_of(json["witness"]), witness_keys);
   EXPECT_EQ(json["query"], "distance");
   EXPECT_GE(json["build_us"].get<double>(), 0);

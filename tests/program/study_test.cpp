@@ -60,7 +60,8 @@ TEST(ProgramStudy, HasTheAnswersOfTheSameRun) {
     EXPECT_EQ(report.data["models"].size(), 3U);  // each once
     ASSERT_EQ(lines.size(), 6U);
     for (std::size_t r = 0; r < lines.size(); ++r) {
-      for (const char* key : {"status", "lower", "upper", "clash", "solids", "too_close", "inside", "query_us"}) {
+      for (const char* key :
+           {"status", "lower", "upper", "clash", "solids", "max_depth", "too_close", "inside", "query_us"}) {
         EXPECT_EQ(rows[key][r], lines[r][key]) << key << ' ' << r;
       }
       const nlohmann::json &found = rows["witness"][r], &witness = lines[r]["witness"];
@@ -107,9 +108,9 @@ TEST(ProgramStudy, TellsHowDeepHardClashesAreAndWhichTrianglesMeet) {
     const std::vector<nlohmann::json> clashes = rows["clash"];
     EXPECT_EQ(clashes,
               (std::vector<nlohmann::json>{"clear", "hard_clash", "hard_clash", "touching", "clear", "surfaces_meet"}));
-    EXPECT_EQ(rows["depth"][1], 0.5);
-    EXPECT_EQ(rows["depth"][2], 1.75);  // of the corner (2, 2, 2.25), from the top of the large cube
-    for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["depth"][r].is_null());
+    EXPECT_EQ(rows["max_depth"][1], 0.5);
+    EXPECT_EQ(rows["max_depth"][2], 1.75);  // of the corner (2, 2, 2.25), from the top of the large cube
+    for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["max_depth"][r].is_null());
     for (const std::size_t r : {0U, 2U, 4U}) EXPECT_TRUE(rows["intersecting"][r].is_null());
     const Mesh large = cube(4), small = cube(1);
     const auto is_met = [&](std::size_t t) {
@@ -159,7 +160,7 @@ TEST(ProgramStudy, OfPartsAsksAboutAllPairs) {
   EXPECT_EQ(study["parts"]["name"], (nlohmann::json{"block", "pin, left", "small.obj", "scene:square"}));
   EXPECT_EQ(lines_of(run("distance --parts " + file).out).front(),
             "row,part_a,part_b,name_a,name_b,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,"
-            "point_b_z,triangle_a,triangle_b,face_a,face_b,too_close,inside,clash,solids,query_us,node_tests,"
+            "point_b_z,triangle_a,triangle_b,face_a,face_b,too_close,inside,clash,solids,max_depth,query_us,node_tests,"
             "primitive_tests");
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "program/contact_meshes.h"
+#include "program/page_decoding.h"
 #include "program/run_program.h"
 #include "scenes/scenes.h"
 
@@ -161,6 +162,37 @@ TEST(ProgramTrack, AClearanceIsBrokenBetweenFrames) {
   for (const auto& [frame, is_broken] : {std::pair(0, false), std::pair(1, true), std::pair(2, false)}) {
     EXPECT_EQ(rows[static_cast<std::size_t>(frame)]["too_close"], is_broken) << frame;
   }
+}
+
+TEST(ProgramTrack, TellsHowDeepClosedModelsAreInEachOther) {
+  const Folder folder;
+  const std::string small = folder.store("small.obj", scenes::ball(8, 4));
+  Mesh half = scenes::ball(8, 4);
+  for (VertexId v = 0; v < half.positions().size(); ++v) half.set_position(v, half.positions()[v] * 0.5).value();
+  const Words balls = {small, folder.store("half.obj", half), small, small},
+              poses = {"0,0,1.5,1,0,0,0", "0,0,0.25,1,0,0,0", "0,0,1.75,1,0,0,0", "0,0,5,1,0,0,0"};
+  const std::string line =
+      "track --a " + joined(balls) + " --b scene:ball --min-clearance 0.01 --poses-a " +
+      folder.store("poses.csv", poses[0] + '\n' + poses[1] + '\n' + poses[2] + '\n' + poses[3] + '\n');
+  const Report report(line + " --depth");
+  const std::vector<Row> rows = table_of(report.outcome.out);
+  const auto objects = json_lines_of(run(line + " --depth --json")), without = json_lines_of(run(line + " --json"));
+  ASSERT_EQ(rows.size(), 4U);
+  for (std::size_t f = 0; f < rows.size(); ++f) {
+    SCOPED_TRACE(f);
+    const nlohmann::json still =
+        json_lines_of(run("distance --json " + balls[f] + " scene:ball --pose-a " + poses[f])).at(0);
+    const double depth = still["max_depth"].is_null() ? 0 : still["max_depth"].get<double>();
+    EXPECT_EQ(depth > 0, f < 3);
+    EXPECT_EQ(number(rows[f].at("max_depth")), depth);
+    EXPECT_EQ(objects[f]["max_depth"], depth);
+    EXPECT_EQ(report.data["rows"]["max_depth"][f], depth);
+    EXPECT_EQ(objects[f]["too_close"], f < 3);
+    EXPECT_EQ(without[f]["too_close"], f % 2 == 0);  // surfaces do not meet where one ball has the other inside
+    EXPECT_FALSE(without[f].contains("max_depth"));
+  }
+  expect_refused("track --a scene:ball --b scene:square --depth", "--depth: scene:square: the surface is not closed");
+  expect_refused("track --a scene:ball --b scene:ball --depth --engine classic", "--depth: belongs to --engine fast");
 }
 
 TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {

@@ -9,7 +9,6 @@
 
 #include "command/text.h"
 #include "formats/position_frames.h"
-#include "limber/penetration.h"
 #include "reports/distance_report.h"
 #include "reports/page_data.h"
 #include "reports/page_template.h"
@@ -20,15 +19,8 @@ namespace {
 /// What the triangles that intersect may take in a page, and in one row of it.
 constexpr std::size_t most_triangle_bytes = 1'000'000, most_triangle_bytes_of_row = 20'000;
 
-constexpr std::array row_names = {"a",      "b",         "status", "lower", "upper",        "witness", "clash",
-                                  "solids", "too_close", "inside", "depth", "intersecting", "query_us"};
-
-/// How deep a vertex of either model is in the other; nothing unless both are closed.
-std::optional<double> depth_of(const PlacedModel& a, const PlacedModel& b) {
-  const Result<ClosedSurface>&surface_a = a.model.surface(), &surface_b = b.model.surface();
-  if (!surface_a || !surface_b) return std::nullopt;
-  return deepest_vertices({surface_a.value(), a.pose}, {surface_b.value(), b.pose}).max_depth;
-}
+constexpr std::array row_names = {"a",      "b",         "status", "lower",     "upper",        "witness", "clash",
+                                  "solids", "too_close", "inside", "max_depth", "intersecting", "query_us"};
 
 /// Both points, then triangles and faces: of a, of b.
 Json json_of_witness(const std::optional<FoundWitness>& witness) {
@@ -68,10 +60,6 @@ void Study::add(const PartPair& pair, const DistanceAnswer& answer) {
   json["a"] = pair[0];
   json["b"] = pair[1];
   json["witness"] = json_of_witness(answer.witness);
-  json["depth"] = nullptr;
-  if (answer.relation.is_hard_clash()) {
-    json["depth"] = program::to_json(depth_of(parts_[pair[0]].placed(), parts_[pair[1]].placed()));
-  }
   json["intersecting"] = answer.relation.surfaces_meet ? intersecting_triangles(pair) : Json(nullptr);
   json["query_us"] = answer.elapsed_us;
   for (const char* const name : row_names) rows_[name].push_back(std::move(json[name]));

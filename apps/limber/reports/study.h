@@ -41,8 +41,8 @@ class Study {
   /// Errors   BadInput unless there are at most `most_rows` pairs.
   Study(StudyKind kind, const DistanceQuestion& question, std::vector<StudyPart> parts, std::size_t pair_count);
 
-  /// Adds the answer to a pair. Of a hard clash of closed models it also finds how deep they are in each other, and of
-  /// surfaces that meet, which triangles do, unless these are too many for the page.
+  /// Adds the answer to a pair. Of surfaces that meet it also finds which triangles do, unless these are too many for
+  /// the page.
   void add(const PartPair& pair, const DistanceAnswer& answer);
 
   /// The data of the page.

@@ -84,6 +84,7 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
   answer.relation = relation_of(a, b, timed.answer.status == DistanceStatus::collision);
   if (clearance) answer.too_close = timed.answer.upper < *clearance || answer.relation.is_hard_clash();
   answer.clash = clash_of(answer.relation, answer.too_close.value_or(false));
+  if (answer.relation.is_hard_clash()) answer.max_depth = max_depth_of(a, b);
   answer.elapsed_us = timed.elapsed_us;
   return answer;
 }
@@ -101,6 +102,7 @@ void append_answer(Json& json, const DistanceAnswer& answer) {
   json["inside"] = to_json(answer.relation.nesting);
   json["clash"] = answer.clash ? Json(to_text(*answer.clash)) : Json(nullptr);
   json["solids"] = answer.relation.solids ? Json(to_text(*answer.relation.solids)) : Json(nullptr);
+  json["max_depth"] = to_json(answer.max_depth);
 }
 
 }  // namespace limber::program

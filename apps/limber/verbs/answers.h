@@ -64,6 +64,7 @@ struct DistanceAnswer {
   std::optional<bool> too_close;    ///< whether the models are closer than `min_clearance`; empty without one
   Relation relation;                ///< on a path: at the start, and only the nesting
   std::optional<Clash> clash;       ///< empty on a path
+  std::optional<double> max_depth;  ///< of hard clashes of closed models, as max_depth_of() has it
   std::optional<double> path_time;  ///< on a path: when the models are so near
   double elapsed_us = 0;
 };
@@ -85,7 +86,7 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
 /// `max_distance`, are found; so are hard clashes.
 ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer);
 
-/// Status, lower, upper, witness, too_close, inside, clash and solids.
+/// Status, lower, upper, witness, too_close, inside, clash, solids and max_depth.
 void append_answer(Json& json, const DistanceAnswer& answer);
 
 }  // namespace limber::program

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "limber/penetration.h"
+
 namespace limber::program {
 
 bool Relation::is_hard_clash() const {
@@ -28,6 +30,12 @@ Clash clash_of(const Relation& relation, bool too_close) {
   if (relation.surfaces_meet) return relation.solids ? Clash::touching : Clash::surfaces_meet;
   if (too_close) return Clash::clearance;
   return relation.solids ? Clash::clear : Clash::surfaces_apart;
+}
+
+std::optional<double> max_depth_of(const PlacedModel& a, const PlacedModel& b) {
+  const Result<ClosedSurface>&surface_a = a.model.surface(), &surface_b = b.model.surface();
+  if (!surface_a || !surface_b) return std::nullopt;
+  return deepest_vertices({surface_a.value(), a.pose}, {surface_b.value(), b.pose}).max_depth;
 }
 
 const char* to_text(Clash clash) {

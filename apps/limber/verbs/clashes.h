@@ -17,7 +17,8 @@ clash is hard_clash (the volumes overlap, or one model is enclosed in the other)
 volumes do not overlap), clearance (apart, but closer than --min-clearance) or clear. It is decided exactly where both
 models are closed: every edge belongs to two triangles, which run through it in opposite directions. Then solids is how
 the volumes lie: apart, touching, overlapping, a_inside_b, b_inside_a or equal. Where a model is not closed and no more
-is known, clash is surfaces_meet or surfaces_apart. A hard clash is below any clearance.
+is known, clash is surfaces_meet or surfaces_apart. A hard clash is below any clearance. Of one of closed models,
+max_depth is how far the deepest vertex of either in the other is from that one's surface; 0 where no vertex is.
 )";
 
 /// How two models lie to each other, besides their distance.
@@ -34,6 +35,9 @@ enum class Clash { hard_clash, touching, clearance, clear, surfaces_meet, surfac
 
 /// What kind of clash it is, if `too_close` says whether the models are closer than a clearance that is required.
 Clash clash_of(const Relation& relation, bool too_close);
+
+/// How deep the deepest vertex of either model is in the other; nothing unless both are closed.
+std::optional<double> max_depth_of(const PlacedModel& a, const PlacedModel& b);
 
 const char* to_text(Clash clash);
 const char* to_text(SolidRelation relation);

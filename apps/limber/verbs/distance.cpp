@@ -67,6 +67,7 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
     write_distance_lines(answer.result, answer.witness);
     if (answer.path_time) write_line("path time {}", to_text(*answer.path_time));
     if (answer.clash) write_line("clash     {}", clash_line(*answer.clash, answer.relation));
+    if (answer.max_depth) write_line("max depth {}", to_text(*answer.max_depth));
     if (answer.too_close) {
       write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(*arguments.min_clearance));
     }
@@ -128,10 +129,11 @@ Example, pairs.csv:
   limber distance --parts parts.csv --report assembly.html --unit mm
 
 Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other
-without touching it, solids where a model is not closed, upper and the witness where status is beyond_limit. JSON has
-the names of the columns, and an object witness or null: point_a and point_b, arrays of three numbers, triangle_a,
-triangle_b, face_a, face_b. For one pair build_us is the time for both trees. Columns of the answer, where row counts
-from 0; with --parts part_a, part_b, name_a and name_b are in place of the models:
+without touching it, solids where a model is not closed, max_depth there and without a hard clash, upper and the witness
+where status is beyond_limit. JSON has the names of the columns, and an object witness or null: point_a and point_b,
+arrays of three numbers, triangle_a, triangle_b, face_a, face_b. For one pair build_us is the time for both trees.
+Columns of the answer, where row counts from 0; with --parts part_a, part_b, name_a and name_b are in place of the
+models:
 
 )";
 

@@ -113,8 +113,8 @@ void warn_about(std::size_t nested_count) {
 
 /// The columns that answer_in_row() fills after those that name the pair.
 std::string answer_columns() {
-  return fmt::format("{},{},too_close,inside,clash,solids,query_us,node_tests,primitive_tests", distance_columns,
-                     witness_columns);
+  return fmt::format("{},{},too_close,inside,clash,solids,max_depth,query_us,node_tests,primitive_tests",
+                     distance_columns, witness_columns);
 }
 
 std::string parts_answer_columns() { return "row,part_a,part_b,name_a,name_b," + answer_columns(); }

@@ -44,12 +44,14 @@ struct TrackRow {
   /// Whether the models are closer than a clearance that is required, or touch on the way from the line before; empty
   /// where none is.
   std::optional<bool> too_close;
+  std::optional<double>
+      max_depth;  ///< how deep the deepest vertex of either model is in the other, where that is asked
   std::vector<FrameContacts> contacts;
   std::vector<FrameImpact> impacts;  ///< on the way from the line before
 };
 
 /// The first line of CSV; names are the words that columns of contacts and of impacts start with.
-std::string track_csv_header(bool has_clearance, const Names& contact_names, const Names& impact_names);
+std::string track_csv_header(bool has_clearance, bool has_depth, const Names& contact_names, const Names& impact_names);
 /// The line, whose values are the cells under the header.
 Json to_json(const TrackRow& row);
 

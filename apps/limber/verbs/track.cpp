@@ -15,6 +15,7 @@
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
+#include "limber/penetration.h"
 #include "reports/page_template.h"
 #include "verbs/contact_answers.h"
 #include "verbs/deforming_model.h"
@@ -33,6 +34,7 @@ struct TrackArguments {
   DistanceOptions query;
   std::optional<double> min_clearance;
   DeformingOptions model;
+  bool depth = false;            // how deep the models are in each other
   bool contacts = false;         // pairs of triangles of the two models are counted
   bool self_contacts = false;    // pairs of triangles of each deforming model with itself are counted
   std::optional<double> margin;  // of both kinds of pairs
@@ -54,7 +56,8 @@ void check_options(const TrackArguments& arguments) {
     throw BadInput("--max-distance: must be at least --min-clearance");
   }
   if (arguments.model.engine == DeformingEngine::fast) return;
-  for (const auto& [is_given, name] : {std::pair{arguments.contacts, "--contacts"},
+  for (const auto& [is_given, name] : {std::pair{arguments.depth, "--depth"},
+                                       {arguments.contacts, "--contacts"},
                                        {arguments.self_contacts, "--self"},
                                        {arguments.continuous, "--continuous"}}) {
     if (is_given) throw BadInput(fmt::format("{}: belongs to --engine fast", name));
@@ -87,13 +90,20 @@ struct AskedPair {
   const TrackedModel *a, *b;
 };
 
-/// The pairs of models that are asked for contacts, and for impacts, in each frame.
+/// What is asked about each frame, besides the distance.
 struct Asked {
-  std::vector<AskedPair> contacts, impacts;
+  std::optional<std::array<ClosedSurface, 2>> bodies;  ///< how deep these are in each other
+  std::vector<AskedPair> contacts, impacts;            ///< of these pairs of models
 };
+
+/// Errors   BadInput unless the model is closed.
+ClosedSurface body_of(const ModelArguments& arguments, const TrackedModel& model) {
+  return value_or_bad_input(ClosedSurface::create(model.model().fast()), "--depth: " + arguments.frames.front() + ": ");
+}
 
 Asked asked_pairs(const TrackArguments& arguments, const TrackedModel& a, const TrackedModel& b) {
   Asked asked;
+  if (arguments.depth) asked.bodies.emplace(std::array{body_of(arguments.a, a), body_of(arguments.b, b)});
   if (arguments.contacts) asked.contacts.push_back({"contact", &a, &b});
   if (arguments.continuous) asked.impacts.push_back({"impact", &a, &b});
   if (!arguments.self_contacts) return asked;
@@ -135,14 +145,15 @@ FrameImpact impact_of(const AskedPair& asked, std::size_t row, bool is_first, bo
   return impact;
 }
 
-/// Whether the models are closer than the clearance in a frame, or touch on the way to it. Pre: all else is set.
+/// Whether the models are closer than the clearance in a frame, or in each other, or touch on the way to it. Pre: all
+/// else is set.
 bool is_too_close(const TrackRow& row, const Asked& asked, double min_clearance) {
   bool touches = false;
   for (std::size_t i = 0; i < row.impacts.size(); ++i) {
     const bool is_of_both = asked.impacts[i].a != asked.impacts[i].b;
     touches = touches || (is_of_both && row.impacts[i].status.value_or(ImpactStatus::clear) != ImpactStatus::clear);
   }
-  return touches || row.result.upper < min_clearance;
+  return touches || row.result.upper < min_clearance || row.max_depth.value_or(0) > 0;
 }
 
 TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::size_t number, std::size_t frame,
@@ -164,6 +175,9 @@ TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::
   });
   row.query_us = asking.microseconds();
   row.witness = with_faces(row.result.witness, a, b);
+  if (asked.bodies) {
+    row.max_depth = deepest_vertices({asked.bodies->front(), a.pose()}, {asked.bodies->back(), b.pose()}).max_depth;
+  }
   for (const AskedPair& pair : asked.contacts) {
     row.contacts.push_back(find_contacts(pair, arguments.margin.value_or(0)));
   }
@@ -206,7 +220,9 @@ ExitCode run(const TrackArguments& arguments) {
   std::optional<ReportFile> page;
   if (replay) page.emplace(arguments.report, inputs);
   ProgressBar bar(row_count, "frames");
-  if (!arguments.json) out.write(track_csv_header(arguments.min_clearance.has_value(), contact_names, impact_names));
+  if (!arguments.json) {
+    out.write(track_csv_header(arguments.min_clearance.has_value(), arguments.depth, contact_names, impact_names));
+  }
   ExitCode exit_code = ExitCode::answered;
   for (std::size_t r = 0; r < row_count; ++r) {
     bar.draw(r);
@@ -235,11 +251,15 @@ start with # are skipped.
 The answer is CSV with a header, or with --json an object for each frame. lower <= true distance <= upper; where the
 models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and
 null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files,
-and with --continuous for setting motions. Whether one model lies inside the other is not looked at.
+and with --continuous for setting motions. Whether one model lies inside the other is looked at with --depth alone.
 
 --min-clearance adds the column too_close after primitive_tests. It is decided as for an exact distance, whatever the
-errors asked for. With --continuous it is true, too, where the models touch on the way from the frame before. How near
-they come between frames otherwise is not looked at; --path-a of limber distance is for rigid models.
+errors asked for. With --continuous it is true, too, where the models touch on the way from the frame before, and with
+--depth where a vertex of one is in the other. How near they come between frames otherwise is not looked at; --path-a of
+limber distance is for rigid models.
+
+--depth adds the column max_depth after that: how far the deepest vertex of either model in the other is from that one's
+surface, as limber distance has it; 0 where no vertex is. Its time is in no column. Both models have to be closed.
 
 --report writes one HTML file that needs no network: the frames in 3D with the closest points, to be played, and charts
 of the distance, of times, and of contacts where they are counted, with impacts between frames. With --min-clearance it
@@ -288,6 +308,7 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
                     "exit with 3 instead of 0 when the models are closer than this length in a frame, or with "
                     "--continuous touch between two; at most --max-distance");
   add_deforming(command, arguments->model);
+  command.add_flag("--depth", arguments->depth, "fast: also how deep closed models are in each other");
   command.add_flag("--contacts", arguments->contacts,
                    "fast: also count the pairs of triangles of the two models that intersect or are close");
   command.add_flag("--self", arguments->self_contacts,

@@ -31,6 +31,8 @@ interface Rows {
   status: string[];
   /** Whether the models are closer than the clearance; null where none is required. */
   too_close: (boolean | null)[];
+  /** Of the deepest vertex of either model in the other; null where that is not asked. */
+  max_depth: (number | null)[];
   update_us: number[];
   query_us: number[];
   moved_vertices: number[];
@@ -86,12 +88,13 @@ export const touchesIn = ({ rows, impacts }: ReplayData, row: number): boolean =
   rows.status[row] === 'collision' ||
   impacts.some(({ name, status }) => name === 'impact' && status[row] !== null && status[row] !== 'clear');
 
-/** The numbers of all rows, the worst first: those where the models touch, then the nearest. */
+/** The numbers of all rows, the worst first: the deepest, then those where the models touch, then the nearest. */
 export function worstFirst(data: ReplayData): number[] {
-  const { lower, upper } = data.rows;
+  const { lower, upper, max_depth: depth } = data.rows;
   const keys = upper.map((_, row) => [touchesIn(data, row) ? 0 : (upper[row] ?? Infinity), lower[row] ?? Infinity]);
   const order = keys.map((_, row) => row);
-  return order.sort((r, s) => keys[r][0] - keys[s][0] || keys[r][1] - keys[s][1] || r - s);
+  const deeper = (r: number, s: number): number => (depth[s] ?? 0) - (depth[r] ?? 0);
+  return order.sort((r, s) => deeper(r, s) || keys[r][0] - keys[s][0] || keys[r][1] - keys[s][1] || r - s);
 }
 
 export class ReplayModel {

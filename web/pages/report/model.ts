@@ -44,6 +44,8 @@ export interface ReportData {
   inside: Inside;
   clash: Clash;
   solids: Solids;
+  /** Of the deepest vertex of either in the other; of hard clashes of closed models. */
+  max_depth: number | null;
   build_us: number;
   query_us: number;
   node_tests: number;

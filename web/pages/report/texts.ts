@@ -51,6 +51,7 @@ export function showAnswer(data: ReportData): void {
     const verdict = data.too_close === true ? element('span', 'bad', 'below') : element('span', 'good', 'at least');
     rows.push([`Required clearance`, String(data.min_clearance)], ['Clearance is', verdict]);
   }
+  if (data.max_depth !== null) rows.push(['Depth of the deepest vertex', String(data.max_depth)]);
   if (data.max_distance !== null) rows.push(['Largest distance asked for', String(data.max_distance)]);
   if (data.relative_error > 0) rows.push(['Allowed relative error', String(data.relative_error)]);
   if (data.absolute_error > 0) rows.push(['Allowed absolute error', String(data.absolute_error)]);

@@ -41,7 +41,7 @@ export interface Rows {
   too_close: (boolean | null)[];
   inside: Inside[];
   /** Of the deepest vertex of either in the other; of hard clashes of closed models. */
-  depth: (number | null)[];
+  max_depth: (number | null)[];
   /** Ids of triangles of both that intersect the other. */
   intersecting: ([string, string] | null)[];
   query_us: number[];
@@ -100,7 +100,7 @@ const severities: Record<Clash, number> = {
 };
 
 /** The numbers of all rows, the worst first: hard clashes, the deepest first; then the nearest. */
-export function worstFirst({ clash, depth, lower, upper }: Rows): number[] {
+export function worstFirst({ clash, max_depth: depth, lower, upper }: Rows): number[] {
   const keys = clash.map((word, row) => [
     severities[word],
     -(depth[row] ?? 0),

@@ -35,7 +35,7 @@ export function usualTitle(study: Study, models: readonly ModelData[]): string {
 }
 
 /** The distance of a row; of a hard clash, how deep it is where that is known. */
-export function shownDistance({ rows: { clash, depth, lower, upper } }: Study, row: number): string {
+export function shownDistance({ rows: { clash, max_depth: depth, lower, upper } }: Study, row: number): string {
   const deep = depth[row];
   if (clash[row] === 'hard_clash' && deep !== null && deep > 0) return `${shownLength(deep)} deep`;
   if (upper[row] === 0) return '0';
@@ -69,7 +69,7 @@ export function showTiles(study: Study, worst: number): void {
       tiles.push(tile(`\u2717 ${grouped(broken)} of ${grouped(total)}`, text, 'bad'));
     }
   }
-  const deep = rows.depth[worst] === null ? '' : `, ${shownDistance(study, worst)}`;
+  const deep = rows.max_depth[worst] === null ? '' : `, ${shownDistance(study, worst)}`;
   const word = ['hard_clash', 'surfaces_meet', 'touching'].includes(rows.clash[worst])
     ? clashWords[rows.clash[worst]]
     : capital(shownDistance(study, worst));
@@ -117,7 +117,7 @@ export function showPair(study: Study, row: number): void {
     const verdict = rows.too_close[row] ? element('span', 'bad', 'below') : element('span', 'good', 'at least');
     lines.push(['Required clearance', String(required)], ['Clearance is', verdict]);
   }
-  if (rows.depth[row] !== null) lines.push(['Depth of the deepest vertex', String(rows.depth[row])]);
+  if (rows.max_depth[row] !== null) lines.push(['Depth of the deepest vertex', String(rows.max_depth[row])]);
   const witness = rows.witness[row];
   if (witness !== null) {
     const kind = rows.status[row] === 'collision' ? 'Shared point' : 'Closest point';

@@ -85,6 +85,7 @@ before(async () => {
   track('single', '--a', box, '--b', 'scene:ball');
   const moves = folder.store('moves.csv', [3, 2.5, 1.6, 4].map((z) => `0,0,${z},1,0,0,0\n`).join(''));
   track('clearance', '--a', 'scene:ball', '--b', 'scene:square', '--poses-a', moves, '--min-clearance', '2');
+  track('deep', '--a', 'scene:ball', '--b', box, '--poses-a', moves, '--depth', '--min-clearance', '0.1');
   const study = (name, option, rows, ...words) => {
     const file = folder.store(`${name}.csv`, rows.map((row) => `${row}\n`).join(''));
     answers[name] = limber('distance', option, file, ...words, '--json', '--report', path(name));
@@ -488,6 +489,16 @@ test('a track with a clearance starts with its worst frame, and lists all', asyn
   const without = await look('single');
   assert.ok(!(await without.isVisible('#worst')) && !(await without.isVisible('#rows-section')));
   await without.close();
+});
+
+test('a track says how deep bodies are in each other, and lists the deepest first', async () => {
+  const page = await look('deep');
+  const { max_depth: depth } = answers.deep[2];
+  assert.ok(depth > 0);
+  assert.deepEqual((await rowsOf(page, '#rows'))[0], ['2', 'Contact', `${shown(depth)} deep`]);
+  assert.ok((await tileTexts(page)).includes(`${shown(depth)} deepthe deepest, in frame 2`));
+  assert.equal(new Map(await rowsOf(page, '#now')).get('Depth of the deepest vertex'), String(depth));
+  await page.close();
 });
 
 test('a page names its files, their digests and its time', async () => {
