@@ -122,6 +122,10 @@ one. Self-contacts have a limit of 0.001 of that size. --threads is about builds
 Times are in microseconds for one query. A pose has the median of up to 5 rounds, a row least and median of its poses.
 Answers are compared first: with a cache and without, collisions, intervals, limits, contacts and closest points with
 exact distances, refitted with new trees. If two disagree, the exit status is 1, and the error names the pose.
+
+Half of --time is for drawing poses and comparing answers: none is begun that does not fit, if it takes as long as those
+before. No question is asked once the time is spent, but for this: one pose is drawn, its answers are compared, and each
+of its questions is asked once, however long that takes. Reading files and building their trees comes before the time.
 )";
 
 }  // namespace
@@ -135,7 +139,7 @@ Verb add_bench(CLI::App& app) {
   add_count(command, "--seed", options.seed, {}, "which poses are drawn");
   add_count(command, "--poses", options.poses, {1, 1000}, "how many are drawn at each gap, at most");
   add_number(command, "--time", options.seconds, {0, 86'400, "a number from 0 to 86400"},
-             "how long to draw poses and measure; one pose is measured in any case")
+             "how long to draw poses and measure; one pose is measured once in any case")
       ->type_name("SECONDS");
   add_count(command, "--threads", arguments->threads, {1, 1024}, "for builds and refits");
   add_json(command, arguments->json, "answer with one JSON object");

@@ -108,7 +108,9 @@ class Bench {
 
   BenchTable run() {
     std::size_t least_turns = 0;
-    for (std::uint64_t i = 0; i < options_.poses && (i == 0 || running_.seconds() < options_.seconds / 2); ++i) {
+    // Half of the time is for drawing: a pose that takes as long as those before it has to end in it.
+    const auto has_time = [&](auto poses) { return running_.seconds() * (poses + 1) < poses * options_.seconds / 2; };
+    for (std::uint64_t i = 0; i < options_.poses && (i == 0 || has_time(static_cast<double>(i))); ++i) {
       draw();
       if (i == 0) least_turns = turns_.size();
     }

@@ -16,7 +16,7 @@ namespace limber::program {
 
 struct BenchOptions {
   std::uint64_t seed = 1, poses = 40;
-  double seconds = 10;  ///< nothing begins after that, but one pose is measured in any case
+  double seconds = 10;  ///< nothing begins after that, but one pose is drawn, and measured once, in any case
 };
 
 /// Times of one question in one situation, in microseconds with three digits: of poses that have the median of rounds.
