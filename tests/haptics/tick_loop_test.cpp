@@ -101,6 +101,8 @@ TEST(Percentiles, AreLeftOutWhereNoValueIsAbove) {
   EXPECT_FALSE(percentiles_of({}));
   EXPECT_FALSE(percentiles_of({5}).value().at[0]);
   EXPECT_EQ(percentiles_of({5}).value().max, 5);
+  EXPECT_EQ(percentiles_of({5}).value().median(), 5);
+  EXPECT_EQ(percentiles_of({7, 5, 9, 1}).value().median(), 5);
   EXPECT_EQ(percentiles_of({5, 4}).value().at[0], 4);
   for (std::size_t i = 1; i < percentile_levels.size(); ++i) {
     const std::size_t enough = 10'000 / (10'000 - percentile_levels[i].part);

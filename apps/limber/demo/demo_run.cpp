@@ -63,8 +63,7 @@ Spread spread_over(const std::vector<DemoFrame>& frames, double DemoFrame::*valu
   values.reserve(frames.size());
   for (const DemoFrame& frame : frames) values.push_back(frame.*value);
   const Percentiles found = percentiles_of(std::move(values)).value();
-  const auto& [median, p90, p99, p999, p9999] = found.at;
-  return {median.value_or(found.max), p99, found.max};
+  return {found.median(), found.at[2], found.max};
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ inline constexpr std::array<PercentileLevel, 5> percentile_levels = {
 struct Percentiles {
   std::array<std::optional<double>, percentile_levels.size()> at;  ///< as percentile_levels
   double max = 0;
+
+  double median() const { return at[0].value_or(max); }
 };
 
 /// Empty without values.

@@ -13,6 +13,7 @@
 
 #include "command/output.h"
 #include "command/text.h"
+#include "haptics/percentiles.h"
 #include "limber/contacts.h"
 #include "limber/points.h"
 #include "scenes/scenes.h"
@@ -29,12 +30,7 @@ constexpr double shortest_sample_us = 30;  // a thousand times the cost of readi
 double diagonal(const Box& box) { return length(box.high - box.low); }
 Vec3 center_of(const Box& box) { return 0.5 * (box.low + box.high); }
 
-/// The lower median.
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double median(std::vector<double> values) { return percentiles_of(std::move(values)).value().median(); }
 
 double rounded(double value) { return parsed_number(fmt::format("{:.2e}", value)).value(); }
 
@@ -255,7 +251,7 @@ class Bench {
     BenchTable table{size_, {}};
     std::vector<std::vector<double>> times;  // of the poses of each row
     for (const auto& [question, i] : order) {
-      Turn& turn = turns_[i];
+      const Turn& turn = turns_[i];
       if (turn.us.empty()) continue;
       const auto row = std::find_if(table.rows.begin(), table.rows.end(), [&](const BenchRow& r) {
         return r.question == turn.question && r.situation == turn.situation;
