@@ -130,7 +130,7 @@ TEST(ProgramContacts, PrintsExactlyTheDocumentedNames) {
   const PlacedSoups soups(1);
   const nlohmann::json json = json_of(soups.question + "--margin 0.1");
   EXPECT_EQ(keys_of(json), (Words{"build_us", "closest", "count", "inside", "intersecting", "margin", "node_tests",
-                                  "pairs", "query", "query_us", "primitive_tests"}));
+                                  "pairs", "primitive_tests", "query", "query_us"}));
   EXPECT_EQ(json["query"], "contacts");
   EXPECT_EQ(json["margin"], 0.1);
   EXPECT_TRUE(json["closest"].is_null());
