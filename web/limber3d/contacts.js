@@ -3,9 +3,10 @@
 
 import { checkNames, numberOf } from "./arrays.js";
 import { invalid } from "./errors.js";
+import { checkIndex, columnsOfLast, each, threeOf } from "./many.js";
 import { addressOf } from "./model.js";
 import { cacheAddress, collideResult, distanceResult, errorsOf, placedBodies, stats } from "./queries.js";
-import { Owner, callWithFilter, copyOf, engine, word } from "./wasm.js";
+import { Owner, callWithFilter, copyOf, engine, ownedAddress, word } from "./wasm.js";
 /** @import { Point } from "./arrays.js" */
 /** @import { Model } from "./model.js" */
 /** @import { CollideResult, DistanceResult, ErrorOptions, PoseOptions, QueryCache, QueryStats } from "./queries.js" */
@@ -82,39 +83,45 @@ import { Owner, callWithFilter, copyOf, engine, word } from "./wasm.js";
  * @property {NormalSide} normalSide whether the normal points the way that parts bodies
  */
 
-/** @type {readonly Feature["kind"][]} */
-export const featureKinds = ["vertex", "edge", "face"];
-/** @type {readonly NormalSide[]} */
-export const normalSides = ["unknown", "outward", "inward"];
+/** What the first number of each feature stands for, in arrays of features. @type {readonly Feature["kind"][]} */
+export const featureKinds = Object.freeze(["vertex", "edge", "face"]);
+/** What the numbers in `normalSides` of contacts stand for. @type {readonly NormalSide[]} */
+export const normalSides = Object.freeze(["unknown", "outward", "inward"]);
+
+/**
+ * Private to the package: a feature of one of many, each of which has two numbers.
+ *
+ * @param {Uint8Array} from
+ * @param {number} i
+ * @returns {Feature}
+ */
+export const featureOf = (from, i) => ({ kind: featureKinds[from[2 * i]], index: from[2 * i + 1] });
 
 /** Many contacts, one array for each of their numbers. */
 export class Contacts {
   /** Private: made by queries, of what these have left in the module's memory. */
   constructor() {
-    const n = word(2);
-    const bytes = copyOf(word(0), word(1));
-    let at = 0;
-    /** @param {number} each */
-    const numbers = (each) => new Float64Array(bytes, (at += 8 * each * n) - 8 * each * n, each * n);
+    const n = word(2), next = columnsOfLast();
     /** How many there are. */
     this.count = n;
     /** False if there may be more than maxCount. */
     this.isComplete = word(3) !== 0;
-    this.distances = numbers(1);
-    this.depths = numbers(1);
+    this.distances = next(Float64Array, n);
+    this.depths = next(Float64Array, n);
     /** Three numbers for each contact, as for the next two. */
-    this.pointsA = numbers(3);
-    this.pointsB = numbers(3);
-    this.normals = numbers(3);
+    this.pointsA = next(Float64Array, 3 * n);
+    this.pointsB = next(Float64Array, 3 * n);
+    this.normals = next(Float64Array, 3 * n);
     /** Of the points, by corner of their triangles: three for each contact, >= 0, together 1. */
-    this.weightsA = numbers(3);
-    this.weightsB = numbers(3);
-    this.trianglesA = new Uint32Array(bytes, at, n);
-    this.trianglesB = new Uint32Array(bytes, at + 4 * n, n);
-    /** For each contact kind (0 vertex, 1 edge, 2 face) and index of the feature of a, then those of b. */
-    this.features = new Uint8Array(bytes, at + 8 * n, 4 * n);
-    /** 0 unknown, 1 outward, 2 inward. */
-    this.normalSides = new Uint8Array(bytes, at + 12 * n, n);
+    this.weightsA = next(Float64Array, 3 * n);
+    this.weightsB = next(Float64Array, 3 * n);
+    this.trianglesA = next(Uint32Array, n);
+    this.trianglesB = next(Uint32Array, n);
+    /** Two numbers for each contact, as for the next: the kind, an index of `featureKinds`, and the feature's index. */
+    this.featuresA = next(Uint8Array, 2 * n);
+    this.featuresB = next(Uint8Array, 2 * n);
+    /** Indices of the package's `normalSides`. */
+    this.normalSides = next(Uint8Array, n);
     /** @type {QueryStats} */
     this.stats = stats(0);
   }
@@ -126,30 +133,25 @@ export class Contacts {
    * @returns {Contact}
    */
   at(i) {
-    if (!(Number.isInteger(i) && i >= 0 && i < this.count)) throw invalid(`there is no contact ${i} of ${this.count}`);
-    /** @param {Float64Array} from @returns {Point} */
-    const point = (from) => [from[3 * i], from[3 * i + 1], from[3 * i + 2]];
-    /** @param {number} from @returns {Feature} */
-    const feature = (from) => ({ kind: featureKinds[this.features[from]], index: this.features[from + 1] });
+    checkIndex(i, this.count, "contact");
     return {
       distance: this.distances[i],
       depth: this.depths[i],
-      pointA: point(this.pointsA),
-      pointB: point(this.pointsB),
-      normal: point(this.normals),
-      weightsA: point(this.weightsA),
-      weightsB: point(this.weightsB),
+      pointA: threeOf(this.pointsA, i),
+      pointB: threeOf(this.pointsB, i),
+      normal: threeOf(this.normals, i),
+      weightsA: threeOf(this.weightsA, i),
+      weightsB: threeOf(this.weightsB, i),
       triangleA: this.trianglesA[i],
       triangleB: this.trianglesB[i],
-      featureA: feature(4 * i),
-      featureB: feature(4 * i + 2),
+      featureA: featureOf(this.featuresA, i),
+      featureB: featureOf(this.featuresB, i),
       normalSide: normalSides[this.normalSides[i]],
     };
   }
 
-  /** @returns {IterableIterator<Contact>} */
-  *[Symbol.iterator]() {
-    for (let i = 0; i < this.count; ++i) yield this.at(i);
+  [Symbol.iterator]() {
+    return each(this);
   }
 }
 
@@ -184,7 +186,7 @@ function filterOf({ filter }) {
 
 /** @param {SelfPairOptions} options @returns {[TrianglePairFilter | undefined, number]} */
 function filterAndRings({ filter }) {
-  if (filter instanceof NeighborRings) return [undefined, Owner.addressOf(filter, "filter")];
+  if (filter instanceof NeighborRings) return [undefined, ownedAddress(filter, "filter")];
   return [filterOf({ filter }), 0];
 }
 

@@ -31,8 +31,8 @@ import { check, engine, number, word, writeInput } from "./wasm.js";
  * @typedef {"clear" | "contact" | "initialContact" | "undecided"} ImpactStatus
  */
 
-/** Private to the package. @type {readonly ImpactStatus[]} */
-export const impactStatuses = ["clear", "contact", "initialContact", "undecided"];
+/** What the numbers in `statuses` of impacts stand for. @type {readonly ImpactStatus[]} */
+export const impactStatuses = Object.freeze(["clear", "contact", "initialContact", "undecided"]);
 
 /**
  * When two elements touch first: between `lower` and `upper`. Both are 0 for "initialContact", infinite for "clear".

@@ -14,17 +14,20 @@
  * @module
  */
 
-export { closestPairs, Contacts, contacts, intersections, NeighborRings } from "./contacts.js";
+export { closestPairs, Contacts, contacts, featureKinds, intersections, NeighborRings } from "./contacts.js";
+export { normalSides } from "./contacts.js";
 export { selfClosestPairs, selfCollide, selfContacts, selfDistance, selfIntersections } from "./contacts.js";
-export { edgeEdgeImpact, vertexFaceImpact } from "./elements.js";
+export { edgeEdgeImpact, impactStatuses, vertexFaceImpact } from "./elements.js";
 export { LimberError } from "./errors.js";
 export { contactOf, poseGradientA, poseGradientB, vertexGradientsA, vertexGradientsB } from "./gradients.js";
+export { noId } from "./many.js";
 export { Model, readMeshBytes, weld } from "./model.js";
-export { Impacts, impacts, MovingModel, selfImpacts, selfTimeOfImpact, timeOfImpact } from "./motion.js";
+export { elementPairKinds, Impacts, impacts, MovingModel, selfImpacts, selfTimeOfImpact } from "./motion.js";
+export { timeOfImpact } from "./motion.js";
 export { leastDistance, RigidMotion } from "./path.js";
-export { closestPoint, closestPoints, ClosedSurface, SurfacePoints } from "./points.js";
+export { closestPoint, closestPoints, ClosedSurface, PointResults, SignedDistances } from "./points.js";
 export { orthonormalized } from "./poses.js";
-export { collide, distance, QueryCache, within } from "./queries.js";
+export { answers, collide, distance, distanceStatuses, QueryCache, stoppedBys, within } from "./queries.js";
 export { Scene } from "./scene.js";
 export { ObjectPairMatrix, SceneCache } from "./scene_options.js";
 export { CollideResults, DistanceResults } from "./scene_results.js";
@@ -41,6 +44,8 @@ export { init } from "./wasm.js";
  * @typedef {import("./contacts.js").CountOptions} CountOptions
  * @typedef {import("./contacts.js").Feature} Feature
  * @typedef {import("./contacts.js").MaxDistanceOptions} MaxDistanceOptions
+ * @typedef {import("./contacts.js").NormalSide} NormalSide
+ * @typedef {import("./contacts.js").OrientedFacesOptions} OrientedFacesOptions
  * @typedef {import("./contacts.js").PairOptions} PairOptions
  * @typedef {import("./contacts.js").SelfPairOptions} SelfPairOptions
  * @typedef {import("./contacts.js").TrianglePairFilter} TrianglePairFilter
@@ -65,6 +70,7 @@ export { init } from "./wasm.js";
  * @typedef {import("./path.js").PathImpactOptions} PathImpactOptions
  * @typedef {import("./path.js").PathOptions} PathOptions
  * @typedef {import("./points.js").PointOptions} PointOptions
+ * @typedef {import("./points.js").PointResult} PointResult
  * @typedef {import("./points.js").SignedDistance} SignedDistance
  * @typedef {import("./points.js").SurfacePoint} SurfacePoint
  * @typedef {import("./poses.js").Matrix} Matrix
@@ -97,8 +103,10 @@ export { init } from "./wasm.js";
  * @typedef {import("./solids.js").DeepestPair} DeepestPair
  * @typedef {import("./solids.js").DeepestVertex} DeepestVertex
  * @typedef {import("./solids.js").DeepestVertices} DeepestVertices
+ * @typedef {import("./solids.js").DeepestVerticesOptions} DeepestVerticesOptions
  * @typedef {import("./solids.js").PenetrationOptions} PenetrationOptions
  * @typedef {import("./solids.js").SeparatingTranslation} SeparatingTranslation
+ * @typedef {import("./solids.js").SeparatingTranslationOptions} SeparatingTranslationOptions
  * @typedef {import("./solids.js").SolidDistance} SolidDistance
  * @typedef {import("./solids.js").SolidRelation} SolidRelation
  * @typedef {import("./solids.js").SolidRelationResult} SolidRelationResult

@@ -3,7 +3,7 @@
 
 import { checkNames, coordinatesOf, flagOf, idsOf, numberOf } from "./arrays.js";
 import { LimberError, invalid } from "./errors.js";
-import { Owner, check, copyOf, engine, number, point, word, writeBytes, writeInput } from "./wasm.js";
+import { Owner, check, copyOf, engine, number, ownedAddress, point, word, writeBytes, writeInput } from "./wasm.js";
 /** @import { Coordinates, Ids, Point } from "./arrays.js" */
 
 /**
@@ -274,7 +274,7 @@ export class Model extends Owner {
  */
 export function addressOf(model, name = "model") {
   if (!(model instanceof Model)) throw invalid(`${name} is no Model`);
-  return Owner.addressOf(model, name);
+  return ownedAddress(model, name);
 }
 
 /**

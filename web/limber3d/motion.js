@@ -6,15 +6,16 @@
 import { checkNames, coordinatesOf, flagOf, numberOf } from "./arrays.js";
 import { elementImpactOptions, impactStatuses, timesOf } from "./elements.js";
 import { invalid } from "./errors.js";
+import { checkIndex, columnsOfLast, each, noId } from "./many.js";
 import { Model, addressOf } from "./model.js";
 import { pathImpact } from "./path.js";
 import { poseOf, writePose } from "./poses.js";
 import { limitsOf, stats, stoppedBy, witness } from "./queries.js";
 import { Shape } from "./shapes.js";
-import { Owner, check, copyOf, engine, number, point, word, writeInput } from "./wasm.js";
+import { Owner, check, engine, number, ownedAddress, point, word, writeInput } from "./wasm.js";
 /** @import { Coordinates, Point } from "./arrays.js" */
 /** @import { CountOptions } from "./contacts.js" */
-/** @import { ElementImpactOptions, ImpactStatus } from "./elements.js" */
+/** @import { ElementImpact, ElementImpactOptions, ImpactStatus } from "./elements.js" */
 /** @import { PathImpact, PathImpactOptions } from "./path.js" */
 /** @import { Pose } from "./poses.js" */
 /** @import { QueryBudget, QueryStats, StoppedBy, Witness } from "./queries.js" */
@@ -46,20 +47,6 @@ export class MovingModel extends Owner {
   }
 
   /**
-   * Private to the package.
-   *
-   * @override
-   * @param {MovingModel} moving
-   * @param {string} name of the argument
-   */
-  static addressOf(moving, name) {
-    if (!(moving instanceof MovingModel)) throw invalid(`${name} is no MovingModel`);
-    const address = super.addressOf(moving, name);
-    addressOf(moving.#model, `the model of ${name}`);
-    return address;
-  }
-
-  /**
    * Sets the motion of one step. Throws sizeMismatch, nonFinite or tooLarge with the entry's index, or notRigid, and
    * the motion is then as before; invalidArgument unless the model is committed.
    *
@@ -72,11 +59,22 @@ export class MovingModel extends Owner {
     checkNames(options, ["startPose", "endPose"]);
     const startPose = poseOf(options.startPose, "startPose"), endPose = poseOf(options.endPose, "endPose");
     const coordinates = coordinatesOf(endPositions, "endPositions"), count = coordinates.length / 3;
-    const address = MovingModel.addressOf(this, "moving model");
+    const address = movingAddress(this, "moving model");
     const forms = [writePose(startPose, 0), writePose(endPose, 1)];
     writeInput(coordinates);
     check(engine().setMotion(address, count, coordinates instanceof Float32Array ? 1 : 0, ...forms));
   }
+}
+
+/**
+ * @param {MovingModel} moving
+ * @param {string} name of the argument
+ */
+function movingAddress(moving, name) {
+  if (!(moving instanceof MovingModel)) throw invalid(`${name} is no MovingModel`);
+  const address = ownedAddress(moving, name);
+  addressOf(moving.model, `the model of ${name}`);
+  return address;
 }
 
 /**
@@ -92,8 +90,8 @@ export class MovingModel extends Owner {
  * @property {number} b
  */
 
-/** @type {readonly ElementPair["kind"][]} */
-const elementPairKinds = ["vertexFace", "faceVertex", "edgeEdge"];
+/** What the numbers in `kinds` of impacts stand for. @type {readonly ElementPair["kind"][]} */
+export const elementPairKinds = Object.freeze(["vertexFace", "faceVertex", "edgeEdge"]);
 
 /**
  * @typedef {object} NearerOptions
@@ -128,34 +126,31 @@ const elementPairKinds = ["vertexFace", "faceVertex", "edgeEdge"];
  */
 
 /**
- * Two elements that touch, and when they do first: between `lower` and `upper`.
+ * Two elements that touch, and when they do first.
  *
  * @typedef {object} Impact
  * @property {ElementPair} elements
- * @property {ImpactStatus} status
- * @property {number} lower
- * @property {number} upper
+ * @property {ElementImpact} time
  */
 
 /** Many impacts, one array for each of their numbers. */
 export class Impacts {
   /** Private: made by queries, of what these have left in the module's memory. */
   constructor() {
-    const n = word(2);
-    const bytes = copyOf(word(0), word(1));
+    const n = word(2), next = columnsOfLast();
     /** How many there are. */
     this.count = n;
     /** False if there may be more than maxCount. */
     this.isComplete = word(3) !== 0;
-    this.lowers = new Float64Array(bytes, 0, n);
-    this.uppers = new Float64Array(bytes, 8 * n, n);
+    this.lowers = next(Float64Array, n);
+    this.uppers = next(Float64Array, n);
     /** Ids as in ElementPair. */
-    this.elementsA = new Uint32Array(bytes, 16 * n, n);
-    this.elementsB = new Uint32Array(bytes, 20 * n, n);
-    /** 0 vertexFace, 1 faceVertex, 2 edgeEdge. */
-    this.kinds = new Uint8Array(bytes, 24 * n, n);
-    /** 1 contact, 2 initialContact. */
-    this.statuses = new Uint8Array(bytes, 25 * n, n);
+    this.elementsA = next(Uint32Array, n);
+    this.elementsB = next(Uint32Array, n);
+    /** Indices of `elementPairKinds`. */
+    this.kinds = next(Uint8Array, n);
+    /** Indices of `impactStatuses`. */
+    this.statuses = next(Uint8Array, n);
     /** @type {QueryStats} */
     this.stats = stats(0);
   }
@@ -167,18 +162,15 @@ export class Impacts {
    * @returns {Impact}
    */
   at(i) {
-    if (!(Number.isInteger(i) && i >= 0 && i < this.count)) throw invalid(`there is no impact ${i} of ${this.count}`);
+    checkIndex(i, this.count, "impact");
     return {
       elements: { kind: elementPairKinds[this.kinds[i]], a: this.elementsA[i], b: this.elementsB[i] },
-      status: impactStatuses[this.statuses[i]],
-      lower: this.lowers[i],
-      upper: this.uppers[i],
+      time: { status: impactStatuses[this.statuses[i]], lower: this.lowers[i], upper: this.uppers[i] },
     };
   }
 
-  /** @returns {IterableIterator<Impact>} */
-  *[Symbol.iterator]() {
-    for (let i = 0; i < this.count; ++i) yield this.at(i);
+  [Symbol.iterator]() {
+    return each(this);
   }
 }
 
@@ -204,7 +196,7 @@ const impactResult = () => ({
   status: impactStatuses[word(2)],
   lower: number(0),
   upper: number(1),
-  elements: word(5) === 0xffffffff ? null : { kind: elementPairKinds[word(4)], a: word(5), b: word(6) },
+  elements: word(5) === noId ? null : { kind: elementPairKinds[word(4)], a: word(5), b: word(6) },
   witness: witness(),
   normal: point(10),
   stoppedBy: stoppedBy(),
@@ -250,7 +242,7 @@ export function timeOfImpact(a, b, options = {}) {
   if (a instanceof Model || a instanceof Shape) return pathImpact(a, /** @type {Body} */ (b), options);
   const asked = firstImpactOptions(options);
   const second = /** @type {MovingModel} */ (b);
-  check(engine().timeOfImpact(MovingModel.addressOf(a, "a"), MovingModel.addressOf(second, "b"), ...asked));
+  check(engine().timeOfImpact(movingAddress(a, "a"), movingAddress(second, "b"), ...asked));
   return impactResult();
 }
 
@@ -263,7 +255,7 @@ export function timeOfImpact(a, b, options = {}) {
  */
 export function selfTimeOfImpact(model, options = {}) {
   const asked = firstImpactOptions(options);
-  check(engine().timeOfImpact(MovingModel.addressOf(model, "model"), 0, ...asked));
+  check(engine().timeOfImpact(movingAddress(model, "model"), 0, ...asked));
   return impactResult();
 }
 
@@ -287,7 +279,7 @@ function impactsOptions(options) {
  */
 export function impacts(a, b, options = {}) {
   const asked = impactsOptions(options);
-  check(engine().impacts(MovingModel.addressOf(a, "a"), MovingModel.addressOf(b, "b"), ...asked));
+  check(engine().impacts(movingAddress(a, "a"), movingAddress(b, "b"), ...asked));
   return new Impacts();
 }
 
@@ -299,6 +291,6 @@ export function impacts(a, b, options = {}) {
  */
 export function selfImpacts(model, options = {}) {
   const asked = impactsOptions(options);
-  check(engine().impacts(MovingModel.addressOf(model, "model"), 0, ...asked));
+  check(engine().impacts(movingAddress(model, "model"), 0, ...asked));
   return new Impacts();
 }

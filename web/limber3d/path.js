@@ -10,7 +10,7 @@ import { invalid } from "./errors.js";
 import { poseOf, writePose } from "./poses.js";
 import { cacheAddress, limitsOf, stats, stoppedBy, witness } from "./queries.js";
 import { bodyAddress } from "./shapes.js";
-import { Owner, check, engine, number, point, word } from "./wasm.js";
+import { Owner, check, engine, number, ownedAddress, point, word } from "./wasm.js";
 /** @import { Point, Vector } from "./arrays.js" */
 /** @import { ImpactStatus } from "./elements.js" */
 /** @import { Pose } from "./poses.js" */
@@ -44,7 +44,7 @@ export class RigidMotion extends Owner {
    */
   static screw(start, end) {
     const motion = new RigidMotion(start, end);
-    check(engine().makeScrew(Owner.addressOf(motion, "motion")));
+    check(engine().makeScrew(ownedAddress(motion, "motion")));
     return motion;
   }
 
@@ -56,7 +56,7 @@ export class RigidMotion extends Owner {
    * @returns {number[]}
    */
   at(time) {
-    check(engine().poseAt(Owner.addressOf(this, "motion"), numberOf(time, "time")));
+    check(engine().poseAt(ownedAddress(this, "motion"), numberOf(time, "time")));
     return Array.from({ length: 16 }, (_, i) => number(i));
   }
 }
@@ -116,7 +116,7 @@ export class RigidMotion extends Owner {
 export function motionAddress(motion, name) {
   if (motion === undefined) return 0;
   if (!(motion instanceof RigidMotion)) throw invalid(`${name} is no RigidMotion`);
-  return Owner.addressOf(motion, name);
+  return ownedAddress(motion, name);
 }
 
 /**

@@ -2,15 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 import { checkNames, coordinatesOf, numberOf, pointOf } from "./arrays.js";
-import { featureKinds } from "./contacts.js";
+import { featureOf } from "./contacts.js";
 import { invalid } from "./errors.js";
+import { checkIndex, columnsOfLast, each, noId, threeOf } from "./many.js";
 import { addressOf } from "./model.js";
 import { poseOf, writePose } from "./poses.js";
-import { Owner, check, copyOf, engine, word, writeInput } from "./wasm.js";
+import { Owner, check, engine, ownedAddress, word, writeInput } from "./wasm.js";
 /** @import { Coordinates, Point, Vector } from "./arrays.js" */
 /** @import { Feature } from "./contacts.js" */
+/** @import { NextColumn } from "./many.js" */
 /** @import { Model } from "./model.js" */
 /** @import { Pose } from "./poses.js" */
+/** @import { QueryStats } from "./queries.js" */
 
 /**
  * @typedef {object} PointOptions
@@ -30,54 +33,94 @@ import { Owner, check, copyOf, engine, word, writeInput } from "./wasm.js";
  */
 
 /**
+ * @typedef {object} PointResult
+ * @property {SurfacePoint | null} closest none exactly when nothing is as close as maxDistance
+ * @property {QueryStats} stats
+ */
+
+/**
  * @typedef {object} SignedDistance
  * @property {number} distance negative inside; infinite where nothing is as close as maxDistance
  * @property {boolean} isInside whether the surface encloses the point, or the point lies on it
  * @property {SurfacePoint | null} closest none exactly when nothing is as close as maxDistance
+ * @property {QueryStats} stats
  */
 
 /** Closest points of a model to many points, one array for each of their numbers. */
-export class SurfacePoints {
-  /** Private: made by queries, of what these have left in the module's memory. @param {number} count */
-  constructor(count) {
-    const bytes = copyOf(word(0), word(1));
+export class PointResults {
+  /**
+   * Private: made by queries, of what these have left in the module's memory.
+   *
+   * @param {number} count
+   * @param {NextColumn} [next]
+   */
+  constructor(count, next = columnsOfLast()) {
+    /** How many there are. */
     this.count = count;
-    /** Infinite where nothing is as close as maxDistance. Of signedDistances(), negative inside. */
-    this.distances = new Float64Array(bytes, 0, count);
+    /** Infinite where nothing is as close as maxDistance. */
+    this.distances = next(Float64Array, count);
     /** Three numbers for each point. */
-    this.positions = new Float64Array(bytes, 8 * count, 3 * count);
+    this.positions = next(Float64Array, 3 * count);
     /** Weights of the triangles' corners, three for each point. */
-    this.barycentrics = new Float64Array(bytes, 32 * count, 3 * count);
-    /** 2 ** 32 - 1 where nothing is as close as maxDistance. */
-    this.triangles = new Uint32Array(bytes, 56 * count, count);
-    const features = new Uint8Array(bytes, 60 * count, 3 * count);
-    /** For each point kind (0 vertex, 1 edge, 2 face) and index of the feature, then 1 if the point is inside. */
-    this.features = features;
-  }
-
-  /** Of signedDistances(): whether the surface encloses point i. @param {number} i */
-  isInside(i) {
-    return this.features[3 * i + 2] === 1;
+    this.barycentrics = next(Float64Array, 3 * count);
+    /** Work done: pairs of bounding volumes, and pairs of triangles, that were compared. */
+    this.nodeTests = next(Float64Array, count);
+    this.triangleTests = next(Float64Array, count);
+    /** noId where nothing is as close as maxDistance. */
+    this.triangles = next(Uint32Array, count);
+    /** Two numbers for each point: the kind, an index of `featureKinds`, and the feature's index. */
+    this.features = next(Uint8Array, 2 * count);
   }
 
   /**
-   * One of them as an object; null where nothing is as close as maxDistance.
+   * One of them as an object.
    *
    * @param {number} i
-   * @returns {SurfacePoint | null}
+   * @returns {PointResult}
    */
   at(i) {
-    if (!(Number.isInteger(i) && i >= 0 && i < this.count)) throw invalid(`there is no point ${i} of ${this.count}`);
-    if (this.triangles[i] === 0xffffffff) return null;
-    /** @param {Float64Array} from @returns {Point} */
-    const three = (from) => [from[3 * i], from[3 * i + 1], from[3 * i + 2]];
-    return {
+    checkIndex(i, this.count, "point");
+    const closest = {
       distance: Math.abs(this.distances[i]),
-      position: three(this.positions),
+      position: threeOf(this.positions, i),
       triangle: this.triangles[i],
-      barycentric: three(this.barycentrics),
-      feature: { kind: featureKinds[this.features[3 * i]], index: this.features[3 * i + 1] },
+      barycentric: threeOf(this.barycentrics, i),
+      feature: featureOf(this.features, i),
     };
+    return {
+      closest: closest.triangle === noId ? null : closest,
+      stats: { nodeTests: this.nodeTests[i], triangleTests: this.triangleTests[i] },
+    };
+  }
+
+  /** @returns {IterableIterator<PointResult>} */
+  [Symbol.iterator]() {
+    return each(this);
+  }
+}
+
+/** The same with the insides of a surface. Distances are negative inside. */
+export class SignedDistances extends PointResults {
+  /** Private. @param {number} count */
+  constructor(count) {
+    const next = columnsOfLast();
+    super(count, next);
+    /** 1 where the surface encloses the point, or the point lies on it; otherwise 0. */
+    this.insides = next(Uint8Array, count);
+  }
+
+  /**
+   * @override
+   * @param {number} i
+   * @returns {SignedDistance}
+   */
+  at(i) {
+    return { ...super.at(i), distance: this.distances[i], isInside: this.insides[i] === 1 };
+  }
+
+  /** @override @returns {IterableIterator<SignedDistance>} */
+  [Symbol.iterator]() {
+    return each(this);
   }
 }
 
@@ -100,12 +143,11 @@ export function closestPoints(model, points, options = {}) {
   const isFloat32 = coordinates instanceof Float32Array ? 1 : 0;
   writeInput(coordinates);
   check(engine().closestPoints(address, form, coordinates.length / 3, isFloat32, maxDistance));
-  return new SurfacePoints(coordinates.length / 3);
+  return new PointResults(coordinates.length / 3);
 }
 
 /**
- * The point of a placed model that is closest to a point of the world; null if nothing is as close as maxDistance.
- * Throws as closestPoints().
+ * The point of a placed model that is closest to a point of the world. Throws as closestPoints().
  *
  * @param {Model} model
  * @param {Vector} point
@@ -138,20 +180,6 @@ export class ClosedSurface extends Owner {
   }
 
   /**
-   * Private to the package.
-   *
-   * @override
-   * @param {ClosedSurface} surface
-   * @param {string} name of the argument
-   */
-  static addressOf(surface, name) {
-    if (!(surface instanceof ClosedSurface)) throw invalid(`${name} is no ClosedSurface`);
-    const address = super.addressOf(surface, name);
-    addressOf(surface.#model, `the model of ${name}`);
-    return address;
-  }
-
-  /**
    * Whether the surface encloses a point of the world, or the point lies on it: exact for the placed triangles.
    *
    * @param {Vector} point
@@ -160,7 +188,7 @@ export class ClosedSurface extends Owner {
   contains(point, options = {}) {
     checkNames(options, ["pose"]);
     const pose = poseOf(options.pose, "pose"), [x, y, z] = pointOf(point, "point");
-    const address = ClosedSurface.addressOf(this, "closed surface"), form = writePose(pose, 0);
+    const address = surfaceAddress(this, "closed surface"), form = writePose(pose, 0);
     check(engine().contains(address, form, x, y, z));
     return word(0) === 1;
   }
@@ -176,11 +204,11 @@ export class ClosedSurface extends Owner {
     checkNames(options, pointOptions);
     const maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity), pose = poseOf(options.pose, "pose");
     const coordinates = coordinatesOf(points, "points");
-    const address = ClosedSurface.addressOf(this, "closed surface"), form = writePose(pose, 0);
+    const address = surfaceAddress(this, "closed surface"), form = writePose(pose, 0);
     const isFloat32 = coordinates instanceof Float32Array ? 1 : 0;
     writeInput(coordinates);
     check(engine().signedDistances(address, form, coordinates.length / 3, isFloat32, maxDistance));
-    return new SurfacePoints(coordinates.length / 3);
+    return new SignedDistances(coordinates.length / 3);
   }
 
   /**
@@ -191,7 +219,19 @@ export class ClosedSurface extends Owner {
    * @returns {SignedDistance}
    */
   signedDistance(point, options = {}) {
-    const found = this.signedDistances(pointOf(point, "point"), options);
-    return { distance: found.distances[0], isInside: found.isInside(0), closest: found.at(0) };
+    return this.signedDistances(pointOf(point, "point"), options).at(0);
   }
+}
+
+/**
+ * Private to the package.
+ *
+ * @param {ClosedSurface} surface
+ * @param {string} name of the argument
+ */
+export function surfaceAddress(surface, name) {
+  if (!(surface instanceof ClosedSurface)) throw invalid(`${name} is no ClosedSurface`);
+  const address = ownedAddress(surface, name);
+  addressOf(surface.model, `the model of ${name}`);
+  return address;
 }

@@ -3,9 +3,10 @@
 
 import { checkNames, numberOf } from "./arrays.js";
 import { invalid } from "./errors.js";
+import { noId } from "./many.js";
 import { poseOf, writePose } from "./poses.js";
 import { bodyAddress } from "./shapes.js";
-import { Owner, check, engine, number, point, word } from "./wasm.js";
+import { Owner, check, engine, number, ownedAddress, point, word } from "./wasm.js";
 /** @import { Point } from "./arrays.js" */
 /** @import { Pose } from "./poses.js" */
 /** @import { Body } from "./shapes.js" */
@@ -73,8 +74,8 @@ import { Owner, check, engine, number, point, word } from "./wasm.js";
  * @typedef {"exact" | "withinError" | "collision" | "beyondLimit" | "interrupted"} DistanceStatus
  */
 
-/** @type {readonly DistanceStatus[]} */
-export const statuses = ["exact", "withinError", "collision", "beyondLimit", "interrupted"];
+/** What the numbers in arrays of statuses stand for. @type {readonly DistanceStatus[]} */
+export const distanceStatuses = Object.freeze(["exact", "withinError", "collision", "beyondLimit", "interrupted"]);
 
 /**
  * Which limit of its budget has ended a query.
@@ -82,8 +83,8 @@ export const statuses = ["exact", "withinError", "collision", "beyondLimit", "in
  * @typedef {"nothing" | "deadline" | "maxSteps"} StoppedBy
  */
 
-/** @type {readonly StoppedBy[]} */
-export const limits = ["nothing", "deadline", "maxSteps"];
+/** What the numbers in `stoppedBys` of many answers stand for. @type {readonly StoppedBy[]} */
+export const stoppedBys = Object.freeze(["nothing", "deadline", "maxSteps"]);
 
 /**
  * What a question of yes or no is answered; "unknown" if a budget was spent before either was proven.
@@ -91,8 +92,8 @@ export const limits = ["nothing", "deadline", "maxSteps"];
  * @typedef {"no" | "yes" | "unknown"} Answer
  */
 
-/** @type {readonly Answer[]} */
-export const answers = ["no", "yes", "unknown"];
+/** What the numbers in `answers` of many answers stand for. @type {readonly Answer[]} */
+export const answers = Object.freeze(["no", "yes", "unknown"]);
 
 /**
  * @typedef {object} DistanceResult
@@ -105,10 +106,12 @@ export const answers = ["no", "yes", "unknown"];
  */
 
 /**
- * The answer of collide() and within(). It is "unknown" only where a budget was spent.
+ * The answer of collide() and within(). It is "unknown" only where a budget was spent; then isYes and isNo are false.
  *
  * @typedef {object} CollideResult
  * @property {Answer} answer
+ * @property {boolean} isYes
+ * @property {boolean} isNo
  * @property {Witness | null} witness there exactly when the answer is "yes": the same point if the models meet; else at
  *   most as far apart as was asked, and not necessarily the closest
  * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the answer is "unknown"
@@ -134,17 +137,17 @@ export class QueryCache extends Owner {
 export function cacheAddress(cache) {
   if (cache === undefined) return 0;
   if (!(cache instanceof QueryCache)) throw invalid("cache is no QueryCache");
-  return Owner.addressOf(cache, "cache");
+  return ownedAddress(cache, "cache");
 }
 
 /** Private to the package. @returns {Witness | null} */
 export function witness() {
-  if (word(0) === 0xffffffff) return null;
+  if (word(0) === noId) return null;
   return { pointA: point(2), pointB: point(5), triangleA: word(0), triangleB: word(1) };
 }
 
 /** Private to the package. */
-export const stoppedBy = () => limits[word(3)];
+export const stoppedBy = () => stoppedBys[word(3)];
 
 /** @param {number} i @returns {QueryStats} */
 export const stats = (i) => ({ nodeTests: number(i), triangleTests: number(i + 1) });
@@ -154,16 +157,19 @@ export function distanceResult() {
   return {
     lower: number(0),
     upper: number(1),
-    status: statuses[word(2)],
+    status: distanceStatuses[word(2)],
     witness: witness(),
     stoppedBy: stoppedBy(),
     stats: stats(8),
   };
 }
 
+/** Private to the package: an answer by its number. @param {number} i */
+export const answered = (i) => ({ answer: answers[i], isYes: answers[i] === "yes", isNo: answers[i] === "no" });
+
 /** Private to the package. @returns {CollideResult} */
 export const collideResult = () => ({
-  answer: answers[word(2)],
+  ...answered(word(2)),
   witness: witness(),
   stoppedBy: stoppedBy(),
   stats: stats(8),

@@ -6,13 +6,15 @@
 import { checkNames, idsOf, numberOf } from "./arrays.js";
 import { Contacts, facesOf } from "./contacts.js";
 import { invalid } from "./errors.js";
+import { noId } from "./many.js";
 import { distanceErrorOf, motionAddress, pathImpactResult } from "./path.js";
 import { poseOf, writePose } from "./poses.js";
 import { collideResult, distanceResult, errorsOf, limitsOf } from "./queries.js";
 import { cacheAddress, filterOf, idOf, matricesOf, pairsOf } from "./scene_options.js";
 import { CollideResults, DistanceResults } from "./scene_results.js";
 import { bodyAddress } from "./shapes.js";
-import { Owner, callWithFilter, check, copyOf, engine, number, point, word, writeIds, writeInput } from "./wasm.js";
+import { Owner, callWithFilter, check, copyOf, engine, ownedAddress } from "./wasm.js";
+import { number, point, word, writeIds, writeInput } from "./wasm.js";
 /** @import { Ids, Point } from "./arrays.js" */
 /** @import { OrientedFacesOptions } from "./contacts.js" */
 /** @import { PathImpact, RigidMotion } from "./path.js" */
@@ -86,11 +88,11 @@ function objectFilterOf(filter) {
 
 /** The object of the last result. @returns {number | null} */
 function objectOfLast() {
-  return word(4) === 0xffffffff ? null : word(4);
+  return word(4) === noId ? null : word(4);
 }
 
 /** The two objects of the last result. @returns {[a: number, b: number] | null} */
-const objects = () => (word(4) === 0xffffffff ? null : [word(4), word(5)]);
+const objects = () => (word(4) === noId ? null : [word(4), word(5)]);
 
 /**
  * Many models and shapes, each with a pose. Objects are added, moved and removed one by one; commit() takes over where
@@ -116,7 +118,7 @@ export class Scene extends Owner {
    */
   #address() {
     for (const [id, model] of this.#models) bodyAddress(model, `the model of object ${id}`);
-    return Owner.addressOf(this, "scene");
+    return ownedAddress(this, "scene");
   }
 
   /**
@@ -137,7 +139,7 @@ export class Scene extends Owner {
 
   /** Takes an object out. @param {number} id */
   remove(id) {
-    check(engine().sceneRemove(Owner.addressOf(this, "scene"), idOf(id, "id")));
+    check(engine().sceneRemove(ownedAddress(this, "scene"), idOf(id, "id")));
     this.#models.delete(id);
   }
 
@@ -182,17 +184,17 @@ export class Scene extends Owner {
 
   /** How many objects there are. */
   get size() {
-    return engine().sceneSize(Owner.addressOf(this, "scene")) >>> 0;
+    return engine().sceneSize(ownedAddress(this, "scene")) >>> 0;
   }
 
   /** All ids are less than this. */
   get idBound() {
-    return engine().sceneIdBound(Owner.addressOf(this, "scene")) >>> 0;
+    return engine().sceneIdBound(ownedAddress(this, "scene")) >>> 0;
   }
 
   /** Whether that is the id of an object. @param {number} id */
-  has(id) {
-    Owner.addressOf(this, "scene");
+  contains(id) {
+    ownedAddress(this, "scene");
     return this.#models.has(id);
   }
 

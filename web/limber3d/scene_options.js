@@ -5,7 +5,7 @@
 
 import { filledFrom, flagOf, idsOf } from "./arrays.js";
 import { LimberError, invalid } from "./errors.js";
-import { Owner, check, engine, word, writeIds } from "./wasm.js";
+import { Owner, check, engine, ownedAddress, word, writeIds } from "./wasm.js";
 /** @import { Ids } from "./arrays.js" */
 /** @import { PairFilter } from "./wasm.js" */
 
@@ -72,7 +72,7 @@ export function pairsOf(array) {
  * @returns {[wanted: PairFilter | undefined, hasFilter: number, matrix: number]}
  */
 export function filterOf({ filter }) {
-  if (filter instanceof ObjectPairMatrix) return [undefined, 0, Owner.addressOf(filter, "filter")];
+  if (filter instanceof ObjectPairMatrix) return [undefined, 0, ownedAddress(filter, "filter")];
   if (filter !== undefined && typeof filter !== "function") throw invalid("filter is no function or ObjectPairMatrix");
   return [filter, filter === undefined ? 0 : 1, 0];
 }
@@ -81,7 +81,7 @@ export function filterOf({ filter }) {
 export function cacheAddress(cache) {
   if (cache === undefined) return 0;
   if (!(cache instanceof SceneCache)) throw invalid("cache is no SceneCache");
-  return Owner.addressOf(cache, "cache");
+  return ownedAddress(cache, "cache");
 }
 
 /**
@@ -102,7 +102,7 @@ export class ObjectPairMatrix extends Owner {
   }
 
   get size() {
-    return engine().matrixSize(Owner.addressOf(this, "matrix")) >>> 0;
+    return engine().matrixSize(ownedAddress(this, "matrix")) >>> 0;
   }
 
   /**
@@ -113,7 +113,7 @@ export class ObjectPairMatrix extends Owner {
    * @param {boolean} counts
    */
   set(a, b, counts) {
-    const address = Owner.addressOf(this, "matrix");
+    const address = ownedAddress(this, "matrix");
     check(engine().matrixSet(address, idOf(a, "a"), idOf(b, "b"), flagOf(counts, "counts")));
   }
 
@@ -125,7 +125,7 @@ export class ObjectPairMatrix extends Owner {
    */
   setAmong(ids, counts) {
     const list = idsOf(ids, "ids"), flag = flagOf(counts, "counts");
-    const address = Owner.addressOf(this, "matrix");
+    const address = ownedAddress(this, "matrix");
     writeIds(list);
     check(engine().matrixSetAmong(address, list.length, flag));
   }
@@ -139,7 +139,7 @@ export class ObjectPairMatrix extends Owner {
    */
   setBetween(idsA, idsB, counts) {
     const first = idsOf(idsA, "idsA"), others = idsOf(idsB, "idsB"), flag = flagOf(counts, "counts");
-    const address = Owner.addressOf(this, "matrix");
+    const address = ownedAddress(this, "matrix");
     writeIds(first, others);
     check(engine().matrixSetBetween(address, first.length, others.length, flag));
   }
@@ -151,7 +151,7 @@ export class ObjectPairMatrix extends Owner {
    * @param {number} b
    */
   counts(a, b) {
-    check(engine().matrixCounts(Owner.addressOf(this, "matrix"), idOf(a, "a"), idOf(b, "b")));
+    check(engine().matrixCounts(ownedAddress(this, "matrix"), idOf(a, "a"), idOf(b, "b")));
     return word(0) === 1;
   }
 }

@@ -6,7 +6,7 @@
 import { coordinatesOf, filledFrom, numberOf, pointOf } from "./arrays.js";
 import { LimberError, invalid } from "./errors.js";
 import { Model, addressOf } from "./model.js";
-import { Owner, engine, number, word, writeInput } from "./wasm.js";
+import { Owner, engine, number, ownedAddress, word, writeInput } from "./wasm.js";
 /** @import { Coordinates, Vector } from "./arrays.js" */
 
 /**
@@ -191,7 +191,7 @@ const countOf = (coordinates) => [coordinates.length / 3, coordinates instanceof
  * @param {string} name of the argument
  */
 export function bodyAddress(body, name) {
-  if (body instanceof Shape) return Owner.addressOf(body, name);
+  if (body instanceof Shape) return ownedAddress(body, name);
   if (!(body instanceof Model)) throw invalid(`${name} is no Model or Shape`);
   return addressOf(body, name);
 }

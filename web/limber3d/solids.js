@@ -6,12 +6,13 @@
 
 import { checkNames, numberOf, pointOf } from "./arrays.js";
 import { featureKinds } from "./contacts.js";
-import { ClosedSurface } from "./points.js";
+import { noId } from "./many.js";
+import { surfaceAddress } from "./points.js";
 import { poseOf, writePose } from "./poses.js";
 import { limitsOf, stats, stoppedBy, witness } from "./queries.js";
 import { check, engine, number, point, word } from "./wasm.js";
 /** @import { Point, Vector } from "./arrays.js" */
-/** @import { SurfacePoint } from "./points.js" */
+/** @import { ClosedSurface, SurfacePoint } from "./points.js" */
 /** @import { PoseOptions, QueryBudget, QueryStats, StoppedBy, Witness } from "./queries.js" */
 
 /**
@@ -87,7 +88,15 @@ const relations = ["apart", "touching", "overlapping", "aInsideB", "bInsideA", "
  * @property {QueryStats} stats
  */
 
-/** @typedef {PoseOptions & { budget?: QueryBudget }} PenetrationOptions */
+/** @typedef {PoseOptions & { budget?: QueryBudget }} DeepestVerticesOptions */
+/** @typedef {PoseOptions & { budget?: QueryBudget }} SeparatingTranslationOptions */
+
+/**
+ * The search for a shorter translation ends when it is proven to be within the relative error of the shortest; 0.01 if
+ * not given. Steps of the distance, and all others together, may each be budget.maxSteps.
+ *
+ * @typedef {PoseOptions & { relativeError?: number, budget?: QueryBudget }} PenetrationOptions
+ */
 
 /**
  * Two surfaces and poses, as the module takes them.
@@ -99,14 +108,14 @@ const relations = ["apart", "touching", "overlapping", "aInsideB", "bInsideA", "
  */
 function placedSurfaces(a, b, { poseA, poseB }) {
   const readA = poseOf(poseA, "poseA"), readB = poseOf(poseB, "poseB");
-  const first = ClosedSurface.addressOf(a, "a"), second = ClosedSurface.addressOf(b, "b");
+  const first = surfaceAddress(a, "a"), second = surfaceAddress(b, "b");
   return [first, writePose(readA, 0), second, writePose(readB, 1)];
 }
 
 /** Deepest vertex 0 or 1 of the last result. @param {0 | 1} i @returns {DeepestVertex | null} */
 function deepestVertex(i) {
   const at = 14 + 14 * i, ids = 4 + 4 * i;
-  if (word(ids) === 0xffffffff) return null;
+  if (word(ids) === noId) return null;
   const feature = { kind: featureKinds[word(ids + 2)], index: word(ids + 3) };
   const closest = { distance: number(at + 4), position: point(at + 5), triangle: word(ids + 1) };
   return {
@@ -150,7 +159,7 @@ export function solidRelation(a, b, options = {}) {
  *
  * @param {ClosedSurface} a
  * @param {ClosedSurface} b
- * @param {PenetrationOptions} [options]
+ * @param {DeepestVerticesOptions} [options]
  * @returns {DeepestVertices}
  */
 export function deepestVertices(a, b, options = {}) {
@@ -170,7 +179,7 @@ export function deepestVertices(a, b, options = {}) {
  * @param {ClosedSurface} a
  * @param {ClosedSurface} b
  * @param {Vector} direction
- * @param {PenetrationOptions} [options]
+ * @param {SeparatingTranslationOptions} [options]
  * @returns {SeparatingTranslation}
  */
 export function separatingTranslation(a, b, direction, options = {}) {
@@ -192,9 +201,7 @@ export function separatingTranslation(a, b, direction, options = {}) {
  *
  * @param {ClosedSurface} a
  * @param {ClosedSurface} b
- * @param {PenetrationOptions & { relativeError?: number }} [options] The search for a shorter translation ends when it
- *   is proven to be within the relative error of the shortest; 0.01 if not given. Steps of the distance, and all others
- *   together, may each be budget.maxSteps.
+ * @param {PenetrationOptions} [options]
  * @returns {SolidDistance}
  */
 export function signedDistance(a, b, options = {}) {

@@ -261,6 +261,13 @@ const registry = new FinalizationRegistry(
   ({ address, free }) => loaded?.[free](address),
 );
 
+/**
+ * Where the object of an argument of that name is in the module's memory.
+ *
+ * @type {(owner: Owner, name: string) => number}
+ */
+export let ownedAddress;
+
 /** An object of the module, which dispose() frees. Otherwise it is freed some time after it has become unreachable. */
 export class Owner {
   /** @type {number} */
@@ -292,18 +299,13 @@ export class Owner {
     return this.#address === 0;
   }
 
-  /**
-   * Where `owner` is in the module's memory.
-   *
-   * @param {Owner} owner
-   * @param {string} name of the argument
-   * @returns {number}
-   */
-  static addressOf(owner, name) {
-    if (typeof owner !== "object" || owner === null || !(#address in owner)) {
-      throw invalid(`${name} is not an object of this package`);
-    }
-    if (owner.#address === 0) throw new LimberError("disposed", `limber3d: ${name} has been disposed of`);
-    return owner.#address;
+  static {
+    ownedAddress = (owner, name) => {
+      if (typeof owner !== "object" || owner === null || !(#address in owner)) {
+        throw invalid(`${name} is not an object of this package`);
+      }
+      if (owner.#address === 0) throw new LimberError("disposed", `limber3d: ${name} has been disposed of`);
+      return owner.#address;
+    };
   }
 }

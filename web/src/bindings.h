@@ -134,7 +134,7 @@ void give_count(std::size_t count, bool is_complete, const QueryStats& stats);
 
 /// Writes contacts, and tells of them as give_count() does. One column after the other: distances, depths, points of a,
 /// points of b, normals, weights of a, weights of b; then, in 32 bits, triangles of a and of b; then, in 8 bits, kind
-/// and index of the features of a and of b, contact by contact, and the normals' sides.
+/// and index of each feature of a, of each feature of b, and the normals' sides.
 void give_contacts(std::span<const Contact> contacts, const PairCount& count);
 
 /// OrientedFaces by its number; -1 leaves the choice to the library.

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "limber/points.h"
 
-#include <cmath>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "bindings.h"
@@ -12,35 +12,35 @@
 namespace limber::web {
 namespace {
 
-std::vector<double> columns;  // of the last result
+Columns columns;
 
-/// One column after the other: distances, positions, barycentric coordinates; then, in 32 bits, triangles; then, in 8
-/// bits, kind and index of the feature and whether the point is inside, point by point. Where nothing was found, the
-/// distance is infinite, the other numbers are 0 and the triangle is no_id.
-template <typename T, typename IsInside>
-void give_points(const std::vector<T>& results, const IsInside& is_inside) {
+constexpr double nowhere = std::numeric_limits<double>::infinity();
+double distance_of(const PointResult& result) { return result.closest ? result.closest->distance : nowhere; }
+double distance_of(const SignedDistance& result) { return result.closest ? result.distance() : nowhere; }
+
+/// One column after the other: distances, positions, barycentric coordinates, both statistics; then, in 32 bits,
+/// triangles; then, in 8 bits, kind and index of the feature, point by point, and of signed distances whether the point
+/// is inside. Where nothing was found, the distance is infinite, other numbers are 0 and the triangle is no_id.
+template <typename T>
+void give_points(const std::vector<T>& results) {
   const std::size_t n = results.size();
-  const std::size_t bytes = n * (7 * sizeof(double) + sizeof(TriangleId) + 3);
-  columns.resize((bytes + sizeof(double) - 1) / sizeof(double));
-  SurfacePoint nothing;
-  nothing.distance = std::numeric_limits<double>::infinity();
-  const auto closest = [&](const T& result) -> const SurfacePoint& {
-    return result.closest ? *result.closest : nothing;
-  };
-  double* to = columns.data();
-  for (const T& r : results) *to++ = is_inside(r) ? -closest(r).distance : closest(r).distance;
-  for (const T& r : results) put(to, closest(r).position);
+  columns.begin(9 * n, n, 3 * n);
+  const auto closest = [](const T& result) { return result.closest.value_or(SurfacePoint{}); };
+  for (const T& r : results) *columns.number++ = distance_of(r);
+  for (const T& r : results) put(columns.number, closest(r).position);
   for (const T& r : results) {
-    for (const double weight : closest(r).barycentric) *to++ = weight;
+    for (const double weight : closest(r).barycentric) *columns.number++ = weight;
   }
-  auto* id = reinterpret_cast<TriangleId*>(to);
-  for (const T& r : results) *id++ = closest(r).triangle;
-  auto* byte = reinterpret_cast<std::uint8_t*>(id);
+  for (const T& r : results) *columns.number++ = static_cast<double>(r.stats.node_tests);
+  for (const T& r : results) *columns.number++ = static_cast<double>(r.stats.triangle_tests);
+  for (const T& r : results) *columns.id++ = closest(r).triangle;
   for (const T& r : results) {
-    *byte++ = static_cast<std::uint8_t>(closest(r).feature.kind), *byte++ = closest(r).feature.index;
-    *byte++ = is_inside(r) ? 1 : 0;
+    const Feature feature = closest(r).feature;
+    *columns.byte++ = static_cast<std::uint8_t>(feature.kind), *columns.byte++ = feature.index;
   }
-  give_bytes(columns.data(), bytes);
+  if constexpr (std::is_same_v<T, SignedDistance>) {
+    for (const T& r : results) *columns.byte++ = r.is_inside ? 1 : 0;
+  }
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ bool exported_closest_points(const OwnedModel* model, PoseForm pose, std::size_t
     const std::vector<Vec3> points = points_from(count, is_float32);
     std::vector<PointResult> results(count);
     closest_point_many(Placed(*model, pose_from(pose, 0, "pose")), points, results, {max_distance});
-    give_points(results, [](const PointResult&) { return false; });
+    give_points(results);
   });
 }
 
@@ -72,7 +72,7 @@ bool exported_signed_distances(const ClosedSurface* surface, PoseForm pose, std:
     const std::vector<Vec3> points = points_from(count, is_float32);
     std::vector<SignedDistance> results(count);
     surface->signed_distances(points, results, pose_from(pose, 0, "pose"), {max_distance});
-    give_points(results, [](const SignedDistance& result) { return result.is_inside; });
+    give_points(results);
   });
 }
 

@@ -68,9 +68,9 @@ void give_contacts(std::span<const Contact> contacts, const PairCount& count) {
   }
   for (const Contact& c : contacts) *columns.id++ = c.triangle_a;
   for (const Contact& c : contacts) *columns.id++ = c.triangle_b;
-  for (const Contact& c : contacts) {
-    for (const Feature& feature : {c.feature_a, c.feature_b}) {
-      *columns.byte++ = static_cast<std::uint8_t>(feature.kind), *columns.byte++ = feature.index;
+  for (const auto feature : {&Contact::feature_a, &Contact::feature_b}) {
+    for (const Contact& c : contacts) {
+      *columns.byte++ = static_cast<std::uint8_t>((c.*feature).kind), *columns.byte++ = (c.*feature).index;
     }
   }
   for (const Contact& c : contacts) *columns.byte++ = static_cast<std::uint8_t>(c.normal_side);

@@ -80,9 +80,9 @@ std::uint8_t status_of(const CollideResult& result) { return static_cast<std::ui
 template <typename T>
 constexpr bool names_objects = std::is_same_v<T, ClosestObjects> || std::is_same_v<T, CloseObjects>;
 
-/// One column after the other: bounds, of distances alone; points of a, points of b, both statistics of each; then, in
-/// 32 bits, the two objects of each, of configurations alone; triangles of a and of b, which are no_id without a
-/// witness; then, in 8 bits, statuses or answers, and what has stopped the queries.
+/// One column after the other: bounds, of distances alone; points of a, points of b, both statistics; then, in 32 bits,
+/// the two objects of each, of configurations alone; triangles of a and of b, which are no_id without a witness; then,
+/// in 8 bits, what has stopped the queries, and statuses or answers.
 template <typename T>
 void give_all(const std::vector<T>& results) {
   constexpr bool has_bounds = std::is_same_v<std::decay_t<decltype(result_of(results[0]))>, DistanceResult>;
@@ -95,17 +95,15 @@ void give_all(const std::vector<T>& results) {
   }
   for (const T& r : results) put(columns.number, witness_of(r).point_a);
   for (const T& r : results) put(columns.number, witness_of(r).point_b);
-  for (const T& r : results) {
-    *columns.number++ = static_cast<double>(result_of(r).stats.node_tests);
-    *columns.number++ = static_cast<double>(result_of(r).stats.triangle_tests);
-  }
+  for (const T& r : results) *columns.number++ = static_cast<double>(result_of(r).stats.node_tests);
+  for (const T& r : results) *columns.number++ = static_cast<double>(result_of(r).stats.triangle_tests);
   if constexpr (names_objects<T>) {
     for (const T& r : results) *columns.id++ = r.objects.a, *columns.id++ = r.objects.b;
   }
   for (const T& r : results) *columns.id++ = witness_of(r).triangle_a;
   for (const T& r : results) *columns.id++ = witness_of(r).triangle_b;
-  for (const T& r : results) *columns.byte++ = status_of(result_of(r));
   for (const T& r : results) *columns.byte++ = static_cast<std::uint8_t>(result_of(r).stopped_by);
+  for (const T& r : results) *columns.byte++ = status_of(result_of(r));
 }
 
 /// The filter of objects is asked about one as about a pair of it and itself.

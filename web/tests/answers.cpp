@@ -134,17 +134,14 @@ class Recorder {
   void closest_points(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
     std::vector<PointResult> results(points.size());
     static_cast<void>(limber::closest_points({models_[m], pose}, points, results, {max_distance}));
-    json answer = json::array();
-    for (const PointResult& result : results) answer.push_back(of(result.closest, false));
     const json options{{"pose", of(pose)}, {"maxDistance", of(max_distance)}};
-    write("closestPoints", {m}, {numbers_of(points)}, options, answer);
+    write("closestPoints", {m}, {numbers_of(points)}, options, each(results));
   }
-  void signed_distances(std::size_t m, const Transform& pose, const std::vector<Vec3>& points) {
+  void signed_distances(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
     std::vector<SignedDistance> results(points.size());
-    ClosedSurface::create(models_[m]).value().signed_distances(points, results, pose);
-    json answer = json::array();
-    for (const SignedDistance& result : results) answer.push_back(of(result.closest, result.is_inside));
-    write("signedDistances", {m}, {numbers_of(points)}, {{"pose", of(pose)}}, answer);
+    ClosedSurface::create(models_[m]).value().signed_distances(points, results, pose, {max_distance});
+    const json options{{"pose", of(pose)}, {"maxDistance", of(max_distance)}};
+    write("signedDistances", {m}, {numbers_of(points)}, options, each(results));
   }
 
   /// All questions about two bodies.
@@ -704,7 +701,7 @@ void ask(Recorder& record) {
     const Transform pose = random_pose(rng, 2);
     record.closest_points(ball, pose, points_around(rng, 200, 4), i % 2 == 0 ? infinity : 1);
     record.closest_points(soup, pose, points_around(rng, 200, 50), infinity);
-    record.signed_distances(ball, pose, points_around(rng, 200, 2));
+    record.signed_distances(ball, pose, points_around(rng, 200, 2), i % 2 == 0 ? infinity : 0.5);
   }
 
   ask_of_elements(record, rng);

@@ -44,12 +44,7 @@ function said(result) {
     if (result.objects.length === 0) return [...result];
     return [...result].map((one, i) => ({ objects: result.objectsAt(i), result: one }));
   }
-  if (!(result instanceof limber.SurfacePoints)) return result;
-  return Array.from({ length: result.count }, (_, i) => ({
-    closest: result.at(i),
-    isInside: result.isInside(i),
-    distance: result.distances[i],
-  }));
+  return result instanceof limber.PointResults ? [...result] : result;
 }
 
 /** Calls that are no functions of the package; others are. */

@@ -195,8 +195,9 @@ test("distances, errors and limits", () => {
   refuses(() => limber.within(a, b), "invalidArgument", "maxDistance");
   assert.deepEqual(limber.within(a, b, 1.3, { poseB }).answer, "yes");
   assert.deepEqual(limber.within(a, b, 1.2, { poseB }).witness, null);
-  assert.equal(limber.collide(a, b).answer, "yes");
-  assert.equal(limber.collide(a, b, { poseB }).answer, "no");
+  const yes = limber.collide(a, b), no = limber.collide(a, b, { poseB });
+  assert.deepEqual([yes.answer, yes.isYes, yes.isNo], ["yes", true, false]);
+  assert.deepEqual([no.answer, no.isYes, no.isNo], ["no", false, true]);
 });
 
 test("budgets end queries, and caches go on", () => {
@@ -218,6 +219,7 @@ test("budgets end queries, and caches go on", () => {
   assert.equal(limber.distance(a, b, { budget: { deadline: performance.now() + 1e4 } }).status, "exact");
   const unknown = limber.within(a, b, 1.0001 * exact, { budget: { maxSteps: 1 } });
   assert.deepEqual([unknown.answer, unknown.stoppedBy, unknown.witness], ["unknown", "maxSteps", null]);
+  assert.ok(!unknown.isYes && !unknown.isNo);
   assert.deepEqual(limber.collide(a, b, { budget: {} }).answer, "no");
   assert.deepEqual(limber.within(a, b, 1, { budget: {} }).answer, "yes");
   for (const budget of [{ deadline: NaN }, { maxSteps: -1 }, { maxSteps: "x" }]) {
@@ -258,6 +260,10 @@ test("contacts and pairs of triangles", () => {
   const some = limber.contacts(a, b, 0.05, { poseB, maxCount: 2 });
   assert.deepEqual([some.count, some.isComplete], [2, false]);
   assert.deepEqual(some.at(1), close.at(1));
+  for (const side of ["A", "B"]) {
+    const kind = limber.featureKinds[close[`features${side}`][2]], index = close[`features${side}`][3];
+    assert.deepEqual(close.at(1)[`feature${side}`], { kind, index });
+  }
   assert.ok(close.isComplete && limber.intersections(a, b, { poseB, maxCount: pairs.count }).isComplete);
   refuses(() => close.at(close.count), "invalidArgument");
   for (const contact of limber.contacts(a, b, 0, { poseB, orientedFaces: "none" })) {
@@ -323,13 +329,19 @@ test("queries of a model with itself", () => {
 
 test("points", () => {
   const a = tetrahedron(), pose = { translation: [10, 0, 0] };
-  const near = limber.closestPoint(a, [10.25, 0.25, -2], { pose });
+  const { closest: near, stats } = limber.closestPoint(a, [10.25, 0.25, -2], { pose });
+  assert.ok(stats.nodeTests === 0 && stats.triangleTests > 0);
   assert.deepEqual([near.distance, near.position, near.feature], [2, [10.25, 0.25, 0], { kind: "face", index: 0 }]);
   assert.ok(Math.abs(near.barycentric.reduce((sum, weight) => sum + weight) - 1) < 1e-12);
-  assert.equal(limber.closestPoint(a, { x: 0, y: 0, z: 0 }, { pose, maxDistance: 1 }), null);
+  assert.equal(limber.closestPoint(a, { x: 0, y: 0, z: 0 }, { pose, maxDistance: 1 }).closest, null);
   const many = limber.closestPoints(a, Float32Array.of(0, 0, -3, 0.1, 0.1, 0.1), { maxDistance: 2 });
-  assert.deepEqual([many.count, many.at(0), many.distances[0], many.triangles[0]], [2, null, Infinity, 0xffffffff]);
-  assert.ok(many.at(1).distance > 0);
+  assert.ok(many instanceof limber.PointResults);
+  assert.deepEqual([many.count, many.at(0).closest, many.distances[0]], [2, null, Infinity]);
+  assert.deepEqual([many.triangles[0], limber.noId], [limber.noId, 0xffffffff]);
+  assert.deepEqual([...many][1], many.at(1));
+  const { closest: second } = many.at(1), kind = limber.featureKinds.indexOf(second.feature.kind);
+  assert.ok(second.distance > 0 && many.at(1).stats.nodeTests === many.nodeTests[1] && many.triangleTests[1] > 0);
+  assert.deepEqual([...many.features.subarray(2)], [kind, second.feature.index]);
   refuses(() => limber.closestPoint(a, [0, 0]), "invalidArgument", "point");
   refuses(() => limber.closestPoint(a, [0, 0, NaN]), "invalidArgument", "point");
   refuses(() => limber.closestPoints(a, [0, 0]), "sizeMismatch", "points");
@@ -337,7 +349,15 @@ test("points", () => {
   assert.ok(surface.contains([0.1, 0.1, 0.1]) && !surface.contains([0.1, 0.1, 0.1], { pose }));
   const { distance, isInside, closest } = surface.signedDistance([0.1, 0.1, 0.2]);
   assert.ok(isInside && distance < 0 && closest.distance === -distance);
-  assert.ok(surface.signedDistance([3, 3, 3]).distance > 0);
+  const outside = surface.signedDistance([3, 3, 3]);
+  assert.ok(outside.distance > 0 && !outside.isInside && outside.stats.triangleTests > 0);
+  const signed = surface.signedDistances([0.1, 0.1, 0.1, 3, 3, 3, 0, 0, 0], { maxDistance: 0.01 });
+  assert.ok(signed instanceof limber.SignedDistances && signed instanceof limber.PointResults);
+  assert.deepEqual([...signed.insides], [1, 0, 1]);
+  assert.deepEqual([...signed.distances], [Infinity, Infinity, 0]);
+  assert.deepEqual([...signed].map((one) => [one.isInside, one.distance, one.closest?.distance]),
+    [[true, Infinity, undefined], [false, Infinity, undefined], [true, 0, 0]]);
+  refuses(() => signed.at(3), "invalidArgument", "no point 3 of 3");
   refuses(() => new limber.ClosedSurface(sheet(3)), "notClosed", "edge");
   a.dispose();
   refuses(() => surface.contains([0, 0, 0]), "disposed", "model");
@@ -367,6 +387,21 @@ test("mesh files in memory", () => {
   refuses(() => limber.readMeshBytes(bytes, "square.stl"), "malformedFile");
   refuses(() => limber.readMeshBytes(new Uint8Array(0), "none.obj"), "malformedFile", "none.obj: is empty");
   refuses(() => limber.readMeshBytes("text", "none.obj"), "invalidArgument", "bytes");
+});
+
+test("names of numbers cannot be changed, and nothing inside of objects is reachable", () => {
+  const names = Object.entries(limber).filter(([, value]) => Array.isArray(value));
+  assert.deepEqual(names.map(([name]) => name).sort(), ["answers", "distanceStatuses", "elementPairKinds",
+    "featureKinds", "impactStatuses", "normalSides", "stoppedBys"]);
+  for (const [name, value] of names) assert.ok(Object.isFrozen(value), name);
+  for (const type of [limber.Model, limber.MovingModel, limber.ClosedSurface]) assert.ok(!("addressOf" in type));
+  const scene = new limber.Scene();
+  scene.commit();
+  const distances = scene.distance([]), answers = scene.collide([]);
+  const shared = ["count", "nodeTests", "objects", "pointsA", "pointsB", "stoppedBys", "triangleTests", "trianglesA",
+    "trianglesB"];
+  assert.deepEqual(Object.keys(distances).sort(), ["lowers", "statuses", "uppers", ...shared].sort());
+  assert.deepEqual(Object.keys(answers).sort(), ["answers", ...shared].sort());
 });
 
 test("what is not of this package is refused", () => {

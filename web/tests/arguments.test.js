@@ -228,7 +228,7 @@ test("what is read may call the library before anything is written for the call"
     assert.equal(limber.contacts(a, b, 2, pairs).at(0).distance, 2);
     assert.equal(limber.closestPairs(a, b, 1, { poseA }).at(0).distance, 2);
     const point = reading({ x: 0, y: 0, z: 0 }, disturb), pose = reading({ pose: poseA, maxDistance: 50 }, disturb);
-    assert.equal(limber.closestPoint(a, point, pose).distance, 1);
+    assert.equal(limber.closestPoint(a, point, pose).closest.distance, 1);
     const surface = new limber.ClosedSurface(a);
     assert.equal(surface.contains(point, { pose: poseA }), false);
     assert.equal(surface.signedDistance(point, pose).distance, 1);

@@ -65,6 +65,8 @@ inline json of(const DistanceResult& r) {
 
 inline json of(const CollideResult& r) {
   return {{"answer", name_in({"no", "yes", "unknown"}, r.answer)},
+          {"isYes", r.is_yes()},
+          {"isNo", r.is_no()},
           {"stoppedBy", of(r.stopped_by)},
           {"witness", of(r.witness)},
           {"stats", of(r.stats)}};
@@ -93,11 +95,7 @@ inline json of(const ElementImpact& impact) {
   return {{"status", of(impact.status)}, {"lower", of(impact.lower)}, {"upper", of(impact.upper)}};
 }
 
-inline json of(const Impact& impact) {
-  json described = of(impact.time);
-  described["elements"] = of(impact.elements);
-  return described;
-}
+inline json of(const Impact& impact) { return {{"elements", of(impact.elements)}, {"time", of(impact.time)}}; }
 
 inline json of(const ImpactResult& r) {
   return {{"status", of(r.status)},        {"lower", of(r.lower)},
@@ -126,10 +124,15 @@ inline json of(const SurfacePoint& p) {
           {"feature", of(p.feature)}};
 }
 
-inline json of(const std::optional<SurfacePoint>& closest, bool is_inside) {
-  if (!closest) return {{"closest", nullptr}, {"isInside", is_inside}, {"distance", of(infinity)}};
-  const double distance = is_inside ? -closest->distance : closest->distance;
-  return {{"closest", of(*closest)}, {"isInside", is_inside}, {"distance", of(distance)}};
+inline json of(const PointResult& r) {
+  return {{"closest", r.closest ? of(*r.closest) : json(nullptr)}, {"stats", of(r.stats)}};
+}
+
+inline json of(const SignedDistance& r) {
+  return {{"closest", r.closest ? of(*r.closest) : json(nullptr)},
+          {"stats", of(r.stats)},
+          {"isInside", r.is_inside},
+          {"distance", of(r.closest ? r.distance() : infinity)}};
 }
 
 inline json of(const SolidRelationResult& r) {

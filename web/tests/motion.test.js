@@ -184,7 +184,7 @@ test("impacts are those of all pairs of elements", () => {
       [one, limber.selfImpacts(a), limber.selfTimeOfImpact(a, { ignoresCrossings: true })],
     ]) {
       assert.ok(found.isComplete && found.count === all.size && all.size > 100, `${found.count} of ${all.size}`);
-      for (const { elements: { kind, a: i, b: j }, ...impact } of found) {
+      for (const { elements: { kind, a: i, b: j }, time: impact } of found) {
         assert.deepEqual(impact, all.get(`${kind} ${i} ${j}`), `${kind} ${i} ${j}`);
         impact.status === "contact" ? ++contacts : ++initial;
       }
@@ -203,6 +203,11 @@ test("impacts are arrays, and records", () => {
   const some = limber.impacts(a, floor, { maxCount: 2 });
   assert.deepEqual([some.count, some.isComplete, all.isComplete], [2, false, true]);
   assert.deepEqual(some.at(1), all.at(1));
+  const kind = limber.elementPairKinds[all.kinds[1]], status = limber.impactStatuses[all.statuses[1]];
+  assert.deepEqual(all.at(1), {
+    elements: { kind, a: all.elementsA[1], b: all.elementsB[1] },
+    time: { status, lower: all.lowers[1], upper: all.uppers[1] },
+  });
   assert.equal(limber.impacts(a, floor, { maxTime: 0.5 }).count, 0);
   for (const i of [-1, all.count, 0.5, NaN]) refuses(() => all.at(i), "invalidArgument", "impact");
 });

@@ -27,7 +27,7 @@ before(() => limber.init());
 test("pairs of objects are asked as two models are", () => {
   const model = tetrahedron(), scene = row(4, model), pairs = scene.candidatePairs(0);
   assert.deepEqual(sorted(pairs), ["0,1", "1,2", "2,3"]);
-  assert.deepEqual([...scene.collide(pairs).answers], [1, 1, 1]);
+  assert.deepEqual(Array.from(scene.collide(pairs).answers, (i) => limber.answers[i]), ["yes", "yes", "yes"]);
   const asked = [0, 2, 3, 0, 1, 2];
   const distances = scene.distance(asked), answers = scene.within(asked, 0.6);
   assert.equal(distances.count, 3);
@@ -37,20 +37,23 @@ test("pairs of objects are asked as two models are", () => {
     assert.deepEqual([...answers][i], limber.within(model, model, 0.6, options));
   }
   assert.equal(distances.at(0).upper, 0.5);
+  assert.equal(distances.uppers[0], 0.5);
+  assert.equal(limber.distanceStatuses[distances.statuses[0]], "exact");
   refuses(() => distances.at(3), "invalidArgument", "no answer 3 of 3");
   refuses(() => distances.objectsAt(0), "invalidArgument", "no objects");
   assert.equal(scene.collide([]).count, 0);
   const cache = new limber.SceneCache(8);
-  for (let i = 0; i < 3; ++i) assert.deepEqual([...scene.distance(asked, { cache }).upper], [...distances.upper]);
+  for (let i = 0; i < 3; ++i) assert.deepEqual([...scene.distance(asked, { cache }).uppers], [...distances.uppers]);
   cache.clear();
-  const [stopped] = scene.distance([0, 2], { budget: { maxSteps: 0 } });
+  const late = scene.distance([0, 2], { budget: { maxSteps: 0 } }), [stopped] = late;
+  assert.equal(limber.stoppedBys[late.stoppedBys[0]], "maxSteps");
   assert.deepEqual([stopped.status, stopped.stoppedBy], ["interrupted", "maxSteps"]);
 });
 
 test("objects come, move and go", () => {
   const scene = row(3), other = tetrahedron();
   scene.remove(1);
-  assert.deepEqual([scene.has(1), scene.has(2), scene.size, scene.idBound], [false, true, 2, 3]);
+  assert.deepEqual([scene.contains(1), scene.contains(2), scene.size, scene.idBound], [false, true, 2, 3]);
   assert.ok(!scene.isCommitted);
   assert.equal(scene.add(other), 1);
   assert.equal(scene.model(1), other);
@@ -106,6 +109,7 @@ test("configurations are asked as scenes are, and change nothing", () => {
     assert.deepEqual({ objects: closest.objectsAt(k), result: closest.at(k) }, one);
     assert.equal(close.at(k).answer, any.result.answer);
     assert.deepEqual(close.objectsAt(k), any.objects);
+    assert.deepEqual([...close.objects.subarray(2 * k, 2 * k + 2)], any.objects ?? [limber.noId, limber.noId]);
     other.dispose();
   });
   assert.equal(scene.closestObjectsMany(ids, []).count, 0);
@@ -238,5 +242,5 @@ test("a scene outlives its models only to lose them", () => {
   second.dispose();
   scene.dispose();
   refuses(() => scene.size, "disposed");
-  refuses(() => scene.has(1), "disposed");
+  refuses(() => scene.contains(1), "disposed");
 });

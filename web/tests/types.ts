@@ -4,7 +4,7 @@
 // The declarations of the package: compiled by tsc --strict, never run. What is expected to fail, must.
 import * as limber from "limber3d";
 import type { CollideResult, Contact, DistanceResult, ElementImpact, ErrorCode, Impact, ImpactResult, PathDistance,
-  PathImpact, Point, Pose } from "limber3d";
+  PathImpact, Point, Pose, SignedDistance } from "limber3d";
 
 const vertices = new Float32Array(9), faces = new Uint32Array(3);
 const a = new limber.Model(vertices, faces, { motionMargin: 0.01, rebuildPolicy: "off", rebuildBudgetUs: 50 });
@@ -26,7 +26,7 @@ const maybe: "no" | "yes" | "unknown" = limber.within(a, b, 1, { budget: {} }).a
 const rings = new limber.NeighborRings(a, 1);
 const found: Contact[] = [...limber.selfContacts(a, 0.1, { filter: rings, maxCount: 5 })];
 const ids: Uint32Array = limber.intersections(a, b, { filter: (s: number, t: number) => s < t }).triangles;
-const depth: number | undefined = limber.closestPoint(a, vector3, { pose: poses[3] })?.distance;
+const depth: number | undefined = limber.closestPoint(a, vector3, { pose: poses[3] }).closest?.distance;
 const inside: boolean = new limber.ClosedSurface(a).contains([0, 0, 0]);
 const file: limber.MeshFile = limber.readMeshBytes(new Uint8Array(0), "mesh.obj");
 const started: Promise<void> = limber.init(new URL("https://example.org/limber.wasm"));
@@ -55,7 +55,7 @@ const moment: Point = limber.poseGradientB(limber.contactOf(a, b, near.witness!)
 const weldedOf: Uint32Array = limber.weld(vertices, faces).weldedOf;
 const scene = new limber.Scene(), counts = new limber.ObjectPairMatrix(2), sceneCache = new limber.SceneCache();
 const id: number = scene.add(a, poses[0]);
-const uppers: Float64Array = scene.distance(scene.candidatePairs(1), { relativeError: 0.1, cache: sceneCache }).upper;
+const uppers: Float64Array = scene.distance(scene.candidatePairs(1), { relativeError: 0.1, cache: sceneCache }).uppers;
 const pair: [number, number] | null = scene.closestObjects({ filter: counts, cache: sceneCache }).objects;
 const close: CollideResult[] = [...scene.anyWithinMany([id], new Float64Array(32), 0, { filter: (m, n) => m < n })];
 
@@ -65,6 +65,15 @@ const gap: number = limber.distance(bodies[0], floor).upper + shape.deviation;
 const offsets: Uint32Array = scene.contacts([id, id], 0.1, { orientedFaces: "both" }).offsets;
 const closest: number | null = scene.closestObject(shape, { pose: null, filter: (other) => other > 1 }).object;
 
+const inners: SignedDistance[] = [...surface.signedDistances(vertices)].filter((one) => one.isInside);
+const side: "unknown" | "outward" | "inward" = limber.normalSides[limber.contacts(a, b, 1).normalSides[0]];
+
+// @ts-expect-error names do not change
+limber.answers[0] = "yes";
+// @ts-expect-error how results are read is private
+scene.collide([]).common(0);
+// @ts-expect-error nothing may be close
+limber.closestPoint(a, vector3).closest.distance;
 // @ts-expect-error shapes do not change
 shape.radius = 1;
 // @ts-expect-error shapes are made by functions
@@ -101,6 +110,6 @@ scene.closestObjects({ filter: rings });
 // @ts-expect-error nothing may touch
 touching.elements.kind;
 
-export { close, closest, code, crossed, deepest, depth, edges, element, file, found, gap, ids, impacts, inside,
-  isWithin, maybe, meets, moment, nearest, offsets, onPath, pair, placed, point, relation, soon, spheres, started,
+export { close, closest, code, crossed, deepest, depth, edges, element, file, found, gap, ids, impacts, inners, inside,
+  isWithin, maybe, meets, moment, nearest, offsets, onPath, pair, placed, point, relation, side, soon, spheres, started,
   uppers, weldedOf, wrong };
