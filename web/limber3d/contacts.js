@@ -157,7 +157,7 @@ export class Contacts {
 
 /**
  * Which triangles of a mesh are near each other along the surface, as a filter for self-queries: triangles do not count
- * if a vertex of one and a vertex of the other are joined by a path of at most `edges` edges. With 0 edges, if they
+ * if a vertex of one and a vertex of the other are joined by a path of at most `maxEdges` edges. With 0 edges, if they
  * share a vertex.
  *
  * Connectivity alone matters, so one object serves all shapes that a model takes. dispose() frees its memory.
@@ -165,10 +165,10 @@ export class Contacts {
 export class NeighborRings extends Owner {
   /**
    * @param {Model} model
-   * @param {number} edges
+   * @param {number} maxEdges
    */
-  constructor(model, edges) {
-    super(engine().newRings(addressOf(model), numberOf(edges, "edges")), "deleteRings");
+  constructor(model, maxEdges) {
+    super(engine().newRings(addressOf(model), numberOf(maxEdges, "maxEdges")), "deleteRings");
   }
 }
 

@@ -24,8 +24,8 @@ export { noId } from "./many.js";
 export { Model, readMeshBytes, weld } from "./model.js";
 export { elementPairKinds, Impacts, impacts, MovingModel, selfImpacts, selfTimeOfImpact } from "./motion.js";
 export { timeOfImpact } from "./motion.js";
-export { leastDistance, RigidMotion } from "./path.js";
-export { closestPoint, closestPoints, ClosedSurface, PointResults, SignedDistances } from "./points.js";
+export { minDistance, RigidMotion } from "./path.js";
+export { closestPoint, closestPointMany, ClosedSurface, PointResults, SignedDistances } from "./points.js";
 export { orthonormalized } from "./poses.js";
 export { answers, collide, distance, distanceStatuses, QueryCache, stoppedBys, within } from "./queries.js";
 export { Scene } from "./scene.js";
@@ -88,11 +88,11 @@ export { init } from "./wasm.js";
  * @typedef {import("./queries.js").DistanceStatus} DistanceStatus
  * @typedef {import("./queries.js").StoppedBy} StoppedBy
  * @typedef {import("./queries.js").Witness} Witness
- * @typedef {import("./scene.js").ClosestObject} ClosestObject
- * @typedef {import("./scene.js").ClosestObjects} ClosestObjects
- * @typedef {import("./scene.js").CloseObjects} CloseObjects
+ * @typedef {import("./scene.js").AnyWithinResult} AnyWithinResult
+ * @typedef {import("./scene.js").ClosestObjectResult} ClosestObjectResult
+ * @typedef {import("./scene.js").ClosestObjectsResult} ClosestObjectsResult
  * @typedef {import("./scene.js").ObjectContacts} ObjectContacts
- * @typedef {import("./scene.js").ObjectImpact} ObjectImpact
+ * @typedef {import("./scene.js").ObjectImpactResult} ObjectImpactResult
  * @typedef {import("./scene.js").ObjectImpactOptions} ObjectImpactOptions
  * @typedef {import("./scene.js").SceneQueryOptions} SceneQueryOptions
  * @typedef {import("./scene_options.js").Matrices} Matrices
@@ -104,7 +104,7 @@ export { init } from "./wasm.js";
  * @typedef {import("./solids.js").DeepestVertex} DeepestVertex
  * @typedef {import("./solids.js").DeepestVertices} DeepestVertices
  * @typedef {import("./solids.js").DeepestVerticesOptions} DeepestVerticesOptions
- * @typedef {import("./solids.js").PenetrationOptions} PenetrationOptions
+ * @typedef {import("./solids.js").SolidDistanceOptions} SolidDistanceOptions
  * @typedef {import("./solids.js").SeparatingTranslation} SeparatingTranslation
  * @typedef {import("./solids.js").SeparatingTranslationOptions} SeparatingTranslationOptions
  * @typedef {import("./solids.js").SolidDistance} SolidDistance

@@ -103,7 +103,7 @@ export const elementPairKinds = Object.freeze(["vertexFace", "faceVertex", "edge
 
 /**
  * @typedef {object} FirstImpactOptions
- * @property {boolean} [ignoresCrossings] Whether models that cross at the start may go on: only elements that touch
+ * @property {boolean} [ignoreCrossings] Whether models that cross at the start may go on: only elements that touch
  *   count, a vertex and a face or two edges. Otherwise triangles that intersect at the start are an "initialContact".
  * @property {boolean} [anyContact] whether any contact up to maxTime will do, not the first one
  * @property {QueryBudget} [budget]
@@ -122,7 +122,7 @@ export const elementPairKinds = Object.freeze(["vertexFace", "faceVertex", "edge
  *   triangle of each; or a point that two triangles share at the start; none if nothing touches
  * @property {Point} normal from a to b, of length 1; 0, 0, 0 where there is no such direction
  * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the status is "undecided"
- * @property {QueryStats} stats triangleTests counts the pairs of elements that may touch
+ * @property {QueryStats} stats primitiveTests counts the pairs of elements that may touch
  */
 
 /**
@@ -185,9 +185,9 @@ const limitsInTimeOf = (options) => [...timesOf(options), numberOf(options.neare
  * @param {ImpactOptions & FirstImpactOptions} options
  */
 function firstImpactOptions(options) {
-  checkNames(options, [...impactOptions, "ignoresCrossings", "anyContact", "budget"]);
-  const { ignoresCrossings, anyContact, budget } = options;
-  const flags = [flagOf(ignoresCrossings, "ignoresCrossings"), flagOf(anyContact, "anyContact")];
+  checkNames(options, [...impactOptions, "ignoreCrossings", "anyContact", "budget"]);
+  const { ignoreCrossings, anyContact, budget } = options;
+  const flags = [flagOf(ignoreCrossings, "ignoreCrossings"), flagOf(anyContact, "anyContact")];
   return [...limitsInTimeOf(options), ...flags, ...limitsOf(budget)];
 }
 

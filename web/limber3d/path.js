@@ -90,7 +90,7 @@ export class RigidMotion extends Owner {
  * @property {number} time infinite for "clear"
  * @property {Witness | null} witness the closest points at `time`, if they touch
  * @property {Point} normal from a to b, of length 1; 0, 0, 0 without a witness
- * @property {number} distances that were asked for
+ * @property {number} distanceCount how many distances were asked for
  * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the status is "undecided"
  * @property {QueryStats} stats
  */
@@ -103,7 +103,7 @@ export class RigidMotion extends Owner {
  * @property {number} upper so far apart at `time`; at most distanceError above `lower`, unless the budget was spent
  * @property {number} time
  * @property {Witness | null} witness the closest points at `time`
- * @property {number} distances that were asked for
+ * @property {number} distanceCount how many distances were asked for
  * @property {StoppedBy} stoppedBy
  * @property {QueryStats} stats
  */
@@ -143,7 +143,7 @@ export const distanceErrorOf = (value) => [value === undefined ? 0 : 1, numberOf
 const asked = () => ({
   time: number(10),
   witness: witness(),
-  distances: number(11),
+  distanceCount: number(11),
   stoppedBy: stoppedBy(),
   stats: stats(8),
 });
@@ -184,11 +184,11 @@ export function pathImpact(a, b, options) {
  * @param {PathOptions} [options]
  * @returns {PathDistance}
  */
-export function leastDistance(a, b, options = {}) {
+export function minDistance(a, b, options = {}) {
   checkNames(options, ["motionA", "motionB", "maxTime", "distanceError", "budget", "cache"]);
   const { budget, cache } = options, maxTime = numberOf(options.maxTime, "maxTime", 1);
   const distanceError = distanceErrorOf(options.distanceError), limits = limitsOf(budget);
   const bodies = movingBodies(a, b, options), kept = cacheAddress(cache);
-  check(engine().leastDistance(...bodies, maxTime, ...distanceError, ...limits, kept));
+  check(engine().minDistance(...bodies, maxTime, ...distanceError, ...limits, kept));
   return { lower: number(0), upper: number(1), ...asked() };
 }

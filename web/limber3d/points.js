@@ -28,7 +28,7 @@ import { Owner, check, engine, ownedAddress, word, writeInput } from "./wasm.js"
  * @property {number} distance from the point that was asked for
  * @property {Point} position
  * @property {number} triangle
- * @property {Point} barycentric weights of the triangle's corners
+ * @property {Point} weights of the position, by corner of its triangle: >= 0, together 1
  * @property {Feature} feature what the position lies on
  */
 
@@ -61,11 +61,11 @@ export class PointResults {
     this.distances = next(Float64Array, count);
     /** Three numbers for each point. */
     this.positions = next(Float64Array, 3 * count);
-    /** Weights of the triangles' corners, three for each point. */
-    this.barycentrics = next(Float64Array, 3 * count);
+    /** Of the positions, by corner of their triangles: three for each point, >= 0, together 1. */
+    this.weights = next(Float64Array, 3 * count);
     /** Work done: pairs of bounding volumes, and pairs of triangles, that were compared. */
     this.nodeTests = next(Float64Array, count);
-    this.triangleTests = next(Float64Array, count);
+    this.primitiveTests = next(Float64Array, count);
     /** noId where nothing is as close as maxDistance. */
     this.triangles = next(Uint32Array, count);
     /** Two numbers for each point: the kind, an index of `featureKinds`, and the feature's index. */
@@ -84,12 +84,12 @@ export class PointResults {
       distance: Math.abs(this.distances[i]),
       position: threeOf(this.positions, i),
       triangle: this.triangles[i],
-      barycentric: threeOf(this.barycentrics, i),
+      weights: threeOf(this.weights, i),
       feature: featureOf(this.features, i),
     };
     return {
       closest: closest.triangle === noId ? null : closest,
-      stats: { nodeTests: this.nodeTests[i], triangleTests: this.triangleTests[i] },
+      stats: { nodeTests: this.nodeTests[i], primitiveTests: this.primitiveTests[i] },
     };
   }
 
@@ -135,26 +135,26 @@ const pointOptions = ["pose", "maxDistance"];
  * @param {Coordinates} points
  * @param {PointOptions} [options]
  */
-export function closestPoints(model, points, options = {}) {
+export function closestPointMany(model, points, options = {}) {
   checkNames(options, pointOptions);
   const maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity), pose = poseOf(options.pose, "pose");
   const coordinates = coordinatesOf(points, "points");
   const address = addressOf(model), form = writePose(pose, 0);
   const isFloat32 = coordinates instanceof Float32Array ? 1 : 0;
   writeInput(coordinates);
-  check(engine().closestPoints(address, form, coordinates.length / 3, isFloat32, maxDistance));
+  check(engine().closestPointMany(address, form, coordinates.length / 3, isFloat32, maxDistance));
   return new PointResults(coordinates.length / 3);
 }
 
 /**
- * The point of a placed model that is closest to a point of the world. Throws as closestPoints().
+ * The point of a placed model that is closest to a point of the world. Throws as closestPointMany().
  *
  * @param {Model} model
  * @param {Vector} point
  * @param {PointOptions} [options]
  */
 export function closestPoint(model, point, options = {}) {
-  return closestPoints(model, pointOf(point, "point"), options).at(0);
+  return closestPointMany(model, pointOf(point, "point"), options).at(0);
 }
 
 /**
@@ -195,19 +195,19 @@ export class ClosedSurface extends Owner {
 
   /**
    * Closest points, and whether the surface encloses the points, which makes distances negative. Throws as
-   * closestPoints().
+   * closestPointMany().
    *
    * @param {Coordinates} points
    * @param {PointOptions} [options]
    */
-  signedDistances(points, options = {}) {
+  signedDistanceMany(points, options = {}) {
     checkNames(options, pointOptions);
     const maxDistance = numberOf(options.maxDistance, "maxDistance", Infinity), pose = poseOf(options.pose, "pose");
     const coordinates = coordinatesOf(points, "points");
     const address = surfaceAddress(this, "closed surface"), form = writePose(pose, 0);
     const isFloat32 = coordinates instanceof Float32Array ? 1 : 0;
     writeInput(coordinates);
-    check(engine().signedDistances(address, form, coordinates.length / 3, isFloat32, maxDistance));
+    check(engine().signedDistanceMany(address, form, coordinates.length / 3, isFloat32, maxDistance));
     return new SignedDistances(coordinates.length / 3);
   }
 
@@ -219,7 +219,7 @@ export class ClosedSurface extends Owner {
    * @returns {SignedDistance}
    */
   signedDistance(point, options = {}) {
-    return this.signedDistances(pointOf(point, "point"), options).at(0);
+    return this.signedDistanceMany(pointOf(point, "point"), options).at(0);
   }
 }
 

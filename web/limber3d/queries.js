@@ -59,7 +59,7 @@ import { Owner, check, engine, number, ownedAddress, point, word } from "./wasm.
  *
  * @typedef {object} QueryStats
  * @property {number} nodeTests pairs of bounding volumes compared
- * @property {number} triangleTests pairs of triangles compared
+ * @property {number} primitiveTests pairs of triangles compared
  */
 
 /**
@@ -150,7 +150,7 @@ export function witness() {
 export const stoppedBy = () => stoppedBys[word(3)];
 
 /** @param {number} i @returns {QueryStats} */
-export const stats = (i) => ({ nodeTests: number(i), triangleTests: number(i + 1) });
+export const stats = (i) => ({ nodeTests: number(i), primitiveTests: number(i + 1) });
 
 /** Private to the package. @returns {DistanceResult} */
 export function distanceResult() {

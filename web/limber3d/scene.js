@@ -32,7 +32,7 @@ import { number, point, word, writeIds, writeInput } from "./wasm.js";
 /**
  * The two objects of a scene that are closest to each other.
  *
- * @typedef {object} ClosestObjects
+ * @typedef {object} ClosestObjectsResult
  * @property {[a: number, b: number] | null} objects none exactly when the result has no witness
  * @property {DistanceResult} result of a and b, in this order
  */
@@ -40,7 +40,7 @@ import { number, point, word, writeIds, writeInput } from "./wasm.js";
 /**
  * Two objects of a scene that are within a distance.
  *
- * @typedef {object} CloseObjects
+ * @typedef {object} AnyWithinResult
  * @property {[a: number, b: number] | null} objects there exactly when the answer is "yes"
  * @property {CollideResult} result whether there are two such objects; the witness is of a and b, in this order
  */
@@ -48,7 +48,7 @@ import { number, point, word, writeIds, writeInput } from "./wasm.js";
 /**
  * The object of a scene that is closest to a body.
  *
- * @typedef {object} ClosestObject
+ * @typedef {object} ClosestObjectResult
  * @property {number | null} object none exactly when the result has no witness
  * @property {DistanceResult} result of the body and the object, in this order
  */
@@ -56,9 +56,10 @@ import { number, point, word, writeIds, writeInput } from "./wasm.js";
 /**
  * The object of a scene that a moving body touches first.
  *
- * @typedef {object} ObjectImpact
+ * @typedef {object} ObjectImpactResult
  * @property {number | null} object none exactly when the result has no witness
- * @property {PathImpact} result of the body and the object, in this order; `distances` and `stats` count all objects
+ * @property {PathImpact} result of the body and the object, in this order; `distanceCount` and `stats` count all
+ *   objects
  */
 
 /**
@@ -309,7 +310,7 @@ export class Scene extends Owner {
    * equally close pairs is named is not defined.
    *
    * @param {ErrorOptions & ObjectPairOptions & SceneQueryOptions} [options]
-   * @returns {ClosestObjects}
+   * @returns {ClosestObjectsResult}
    */
   closestObjects(options = {}) {
     checkNames(options, ["relativeError", "absoluteError", "maxDistance", "filter", "budget", "cache"]);
@@ -326,7 +327,7 @@ export class Scene extends Owner {
    *
    * @param {number} maxDistance
    * @param {ObjectPairOptions & { budget?: QueryBudget }} [options]
-   * @returns {CloseObjects}
+   * @returns {AnyWithinResult}
    */
   anyWithin(maxDistance, options = {}) {
     checkNames(options, ["filter", "budget"]);
@@ -359,7 +360,7 @@ export class Scene extends Owner {
    *
    * @param {Body} body
    * @param {ErrorOptions & { pose?: Pose | null, filter?: ObjectFilter, budget?: QueryBudget }} [options]
-   * @returns {ClosestObject}
+   * @returns {ClosestObjectResult}
    */
   closestObject(body, options = {}) {
     checkNames(options, ["pose", "relativeError", "absoluteError", "maxDistance", "filter", "budget"]);
@@ -377,7 +378,7 @@ export class Scene extends Owner {
    * @param {Body} body
    * @param {RigidMotion} motion
    * @param {ObjectImpactOptions} [options]
-   * @returns {ObjectImpact}
+   * @returns {ObjectImpactResult}
    */
   timeOfImpact(body, motion, options = {}) {
     checkNames(options, ["maxTime", "minSeparation", "distanceError", "filter", "budget"]);

@@ -26,7 +26,7 @@ class Results {
     this.pointsB = next(Float64Array, 3 * count);
     /** Work done: pairs of bounding volumes, and pairs of triangles, that were compared. */
     this.nodeTests = next(Float64Array, count);
-    this.triangleTests = next(Float64Array, count);
+    this.primitiveTests = next(Float64Array, count);
     /** Two ids for each answer; noId if there is no witness. Of many configurations; otherwise empty. */
     this.objects = next(Uint32Array, hasObjects ? 2 * count : 0);
     /** noId if there is no witness. */
@@ -63,7 +63,7 @@ function common(results, i) {
   return {
     witness: triangleA === noId ? null : { ...points, triangleA, triangleB },
     stoppedBy: stoppedBys[results.stoppedBys[i]],
-    stats: { nodeTests: results.nodeTests[i], triangleTests: results.triangleTests[i] },
+    stats: { nodeTests: results.nodeTests[i], primitiveTests: results.primitiveTests[i] },
   };
 }
 

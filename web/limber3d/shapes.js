@@ -109,18 +109,18 @@ export class Shape extends Owner {
 
   /**
    * All points p with dot(normal, p) <= offset, where the normal is first scaled to length 1. It is cut to a solid
-   * cube, whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `extent`.
-   * Rounding moves the plane by about 2 ** -51 of the extent and the offset.
+   * cube, whose face in the plane is a square around the point nearest to the origin, with sides of 2 * `halfExtent`.
+   * Rounding moves the plane by about 2 ** -51 of the half extent and the offset.
    *
-   * Throws also unless the normal is not 0, and the extent is above 0.
+   * Throws also unless the normal is not 0, and the half extent is above 0.
    *
    * @param {Vector} normal
    * @param {number} offset
-   * @param {number} extent
+   * @param {number} halfExtent
    */
-  static halfSpace(normal, offset, extent) {
+  static halfSpace(normal, offset, halfExtent) {
     const along = pointOf(normal, "normal"), at = numberOf(offset, "offset");
-    return new Shape(engine().newHalfSpace(...along, at, numberOf(extent, "extent")));
+    return new Shape(engine().newHalfSpace(...along, at, numberOf(halfExtent, "halfExtent")));
   }
 
   /**

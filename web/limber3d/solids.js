@@ -55,7 +55,7 @@ const relations = ["apart", "touching", "overlapping", "aInsideB", "bInsideA", "
  * @typedef {object} DeepestPair
  * @property {DeepestVertex | null} ofA the vertex of a that is deepest in b; null if b contains no vertex of a
  * @property {DeepestVertex | null} ofB the vertex of b that is deepest in a
- * @property {number} upper no vertex of either is deeper in the other: the larger depth, unless the budget was spent
+ * @property {number} maxDepth no vertex of either is deeper in the other: the larger depth, unless the budget was spent
  */
 
 /** @typedef {DeepestPair & { stoppedBy: StoppedBy, stats: QueryStats }} DeepestVertices */
@@ -95,7 +95,7 @@ const relations = ["apart", "touching", "overlapping", "aInsideB", "bInsideA", "
  * The search for a shorter translation ends when it is proven to be within the relative error of the shortest; 0.01 if
  * not given. Steps of the distance, and all others together, may each be budget.maxSteps.
  *
- * @typedef {PoseOptions & { relativeError?: number, budget?: QueryBudget }} PenetrationOptions
+ * @typedef {PoseOptions & { relativeError?: number, budget?: QueryBudget }} SolidDistanceOptions
  */
 
 /**
@@ -122,13 +122,13 @@ function deepestVertex(i) {
     vertex: word(ids),
     depth: number(at),
     position: point(at + 1),
-    closest: { ...closest, barycentric: point(at + 8), feature },
+    closest: { ...closest, weights: point(at + 8), feature },
     direction: point(at + 11),
   };
 }
 
 /** @returns {DeepestPair} */
-const deepestPair = () => ({ ofA: deepestVertex(0), ofB: deepestVertex(1), upper: number(13) });
+const deepestPair = () => ({ ofA: deepestVertex(0), ofB: deepestVertex(1), maxDepth: number(13) });
 
 /**
  * How the solids of two placed closed surfaces lie to each other.
@@ -201,7 +201,7 @@ export function separatingTranslation(a, b, direction, options = {}) {
  *
  * @param {ClosedSurface} a
  * @param {ClosedSurface} b
- * @param {PenetrationOptions} [options]
+ * @param {SolidDistanceOptions} [options]
  * @returns {SolidDistance}
  */
 export function signedDistance(a, b, options = {}) {

@@ -153,7 +153,7 @@ void give(const std::optional<Witness>& witness, const QueryStats& stats, std::u
 
 void give_stats(const QueryStats& stats, std::size_t first) {
   exchange.numbers[first] = static_cast<double>(stats.node_tests);
-  exchange.numbers[first + 1] = static_cast<double>(stats.triangle_tests);
+  exchange.numbers[first + 1] = static_cast<double>(stats.primitive_tests);
 }
 
 void give_count(std::size_t count, bool is_complete, const QueryStats& stats) {

@@ -81,14 +81,14 @@ bool set_motion(MovingModel* model, std::size_t count, bool is_float32, PoseForm
 /// Finds when two models touch first. A null b asks about a with itself, here and in impacts.
 LIMBER_EXPORT(timeOfImpact)
 bool exported_time_of_impact(const MovingModel* a, const MovingModel* b, double max_time, double time_error,
-                             double min_separation, double nearer_part, bool ignores_crossings, bool any_contact,
+                             double min_separation, double nearer_part, bool ignore_crossings, bool any_contact,
                              double deadline_ms, double max_steps) {
   return guarded([&] {
     const ImpactOptions options{.max_time = max_time,
                                 .time_error = time_error,
                                 .min_separation = min_separation,
                                 .nearer_part = nearer_part,
-                                .ignores_crossings = ignores_crossings,
+                                .ignore_crossings = ignore_crossings,
                                 .any_contact = any_contact,
                                 .budget = budget_from(deadline_ms, max_steps)};
     give_impact(b != nullptr ? time_of_impact(*a, *b, options) : self_time_of_impact(*a, options));

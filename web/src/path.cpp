@@ -61,15 +61,15 @@ bool exported_path_impact(const BodyOwner* a, const RigidMotion* motion_a, const
   });
 }
 
-LIMBER_EXPORT(leastDistance)
-bool exported_least_distance(const BodyOwner* a, const RigidMotion* motion_a, const BodyOwner* b,
-                             const RigidMotion* motion_b, double max_time, bool has_error, double distance_error,
-                             double deadline_ms, double max_steps, QueryCache* cache) {
+LIMBER_EXPORT(minDistance)
+bool exported_min_distance(const BodyOwner* a, const RigidMotion* motion_a, const BodyOwner* b,
+                           const RigidMotion* motion_b, double max_time, bool has_error, double distance_error,
+                           double deadline_ms, double max_steps, QueryCache* cache) {
   return guarded([&] {
     const PathOptions options{max_time, 0, error_from(has_error, distance_error), cache,
                               budget_from(deadline_ms, max_steps)};
     const PathDistance found =
-        least_distance(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
+        min_distance(a->body(), motion_from(motion_a), b->body(), motion_from(motion_b), options);
     give(found.witness, found.stats, 0, found.stopped_by);
     exchange.numbers[0] = found.lower, exchange.numbers[1] = found.upper;
     give_time(found.time, found.distance_count);

@@ -18,9 +18,9 @@ constexpr double nowhere = std::numeric_limits<double>::infinity();
 double distance_of(const PointResult& result) { return result.closest ? result.closest->distance : nowhere; }
 double distance_of(const SignedDistance& result) { return result.closest ? result.distance() : nowhere; }
 
-/// One column after the other: distances, positions, barycentric coordinates, both statistics; then, in 32 bits,
-/// triangles; then, in 8 bits, kind and index of the feature, point by point, and of signed distances whether the point
-/// is inside. Where nothing was found, the distance is infinite, other numbers are 0 and the triangle is no_id.
+/// One column after the other: distances, positions, weights, both statistics; then, in 32 bits, triangles; then, in 8
+/// bits, kind and index of the feature, point by point, and of signed distances whether the point is inside. Where
+/// nothing was found, the distance is infinite, other numbers are 0 and the triangle is no_id.
 template <typename T>
 void give_points(const std::vector<T>& results) {
   const std::size_t n = results.size();
@@ -28,11 +28,9 @@ void give_points(const std::vector<T>& results) {
   const auto closest = [](const T& result) { return result.closest.value_or(SurfacePoint{}); };
   for (const T& r : results) *columns.number++ = distance_of(r);
   for (const T& r : results) put(columns.number, closest(r).position);
-  for (const T& r : results) {
-    for (const double weight : closest(r).barycentric) *columns.number++ = weight;
-  }
+  for (const T& r : results) put(columns.number, closest(r).weights);
   for (const T& r : results) *columns.number++ = static_cast<double>(r.stats.node_tests);
-  for (const T& r : results) *columns.number++ = static_cast<double>(r.stats.triangle_tests);
+  for (const T& r : results) *columns.number++ = static_cast<double>(r.stats.primitive_tests);
   for (const T& r : results) *columns.id++ = closest(r).triangle;
   for (const T& r : results) {
     const Feature feature = closest(r).feature;
@@ -46,9 +44,9 @@ void give_points(const std::vector<T>& results) {
 }  // namespace
 
 /// The closest points of a model to the points in input().
-LIMBER_EXPORT(closestPoints)
-bool exported_closest_points(const OwnedModel* model, PoseForm pose, std::size_t count, bool is_float32,
-                             double max_distance) {
+LIMBER_EXPORT(closestPointMany)
+bool exported_closest_point_many(const OwnedModel* model, PoseForm pose, std::size_t count, bool is_float32,
+                                 double max_distance) {
   return guarded([&] {
     const std::vector<Vec3> points = points_from(count, is_float32);
     std::vector<PointResult> results(count);
@@ -65,13 +63,13 @@ LIMBER_EXPORT(newClosedSurface) ClosedSurface* new_closed_surface(const OwnedMod
 LIMBER_EXPORT(deleteClosedSurface) void delete_closed_surface(ClosedSurface* surface) { delete surface; }
 
 /// The signed distances of the points in input(), negative inside.
-LIMBER_EXPORT(signedDistances)
-bool exported_signed_distances(const ClosedSurface* surface, PoseForm pose, std::size_t count, bool is_float32,
-                               double max_distance) {
+LIMBER_EXPORT(signedDistanceMany)
+bool exported_signed_distance_many(const ClosedSurface* surface, PoseForm pose, std::size_t count, bool is_float32,
+                                   double max_distance) {
   return guarded([&] {
     const std::vector<Vec3> points = points_from(count, is_float32);
     std::vector<SignedDistance> results(count);
-    surface->signed_distances(points, results, pose_from(pose, 0, "pose"), {max_distance});
+    surface->signed_distance_many(points, results, pose_from(pose, 0, "pose"), {max_distance});
     give_points(results);
   });
 }

@@ -114,11 +114,11 @@ bool exported_within(const BodyOwner* a, PoseForm pose_a, const BodyOwner* b, Po
   });
 }
 
-LIMBER_EXPORT(newRings) NeighborRings* new_rings(const OwnedModel* model, double edges) {
+LIMBER_EXPORT(newRings) NeighborRings* new_rings(const OwnedModel* model, double max_edges) {
   NeighborRings* rings = nullptr;
   guarded([&] {
-    if (!(edges >= 0 && edges < 0x1p32)) throw std::invalid_argument("limber: edges is not a number of edges");
-    rings = new NeighborRings(model->mesh(), static_cast<std::uint32_t>(edges));
+    if (!(max_edges >= 0 && max_edges < 0x1p32)) throw std::invalid_argument("limber: maxEdges is no number of edges");
+    rings = new NeighborRings(model->mesh(), static_cast<std::uint32_t>(max_edges));
   });
   return rings;
 }

@@ -71,14 +71,14 @@ ClosestObjectsOptions closest_options_from(const DistanceArguments& d, bool has_
 
 const DistanceResult& result_of(const DistanceResult& result) { return result; }
 const CollideResult& result_of(const CollideResult& result) { return result; }
-const DistanceResult& result_of(const ClosestObjects& closest) { return closest.result; }
-const CollideResult& result_of(const CloseObjects& close) { return close.result; }
+const DistanceResult& result_of(const ClosestObjectsResult& closest) { return closest.result; }
+const CollideResult& result_of(const AnyWithinResult& close) { return close.result; }
 
 std::uint8_t status_of(const DistanceResult& result) { return static_cast<std::uint8_t>(result.status); }
 std::uint8_t status_of(const CollideResult& result) { return static_cast<std::uint8_t>(result.answer); }
 
 template <typename T>
-constexpr bool names_objects = std::is_same_v<T, ClosestObjects> || std::is_same_v<T, CloseObjects>;
+constexpr bool names_objects = std::is_same_v<T, ClosestObjectsResult> || std::is_same_v<T, AnyWithinResult>;
 
 /// One column after the other: bounds, of distances alone; points of a, points of b, both statistics; then, in 32 bits,
 /// the two objects of each, of configurations alone; triangles of a and of b, which are no_id without a witness; then,
@@ -96,7 +96,7 @@ void give_all(const std::vector<T>& results) {
   for (const T& r : results) put(columns.number, witness_of(r).point_a);
   for (const T& r : results) put(columns.number, witness_of(r).point_b);
   for (const T& r : results) *columns.number++ = static_cast<double>(result_of(r).stats.node_tests);
-  for (const T& r : results) *columns.number++ = static_cast<double>(result_of(r).stats.triangle_tests);
+  for (const T& r : results) *columns.number++ = static_cast<double>(result_of(r).stats.primitive_tests);
   if constexpr (names_objects<T>) {
     for (const T& r : results) *columns.id++ = r.objects.a, *columns.id++ = r.objects.b;
   }
@@ -260,7 +260,7 @@ bool scene_closest_object(const Scene* scene, const BodyOwner* body, PoseForm po
                           bool has_filter) {
   return guarded([&] {
     const Placed placed(body->body(), pose_from(pose, 0, "pose"));
-    const ClosestObject found =
+    const ClosestObjectResult found =
         scene->closest_object(placed, {relative_error, absolute_error, max_distance,
                                        has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt,
                                        budget_from(deadline_ms, max_steps)});
@@ -274,7 +274,7 @@ bool scene_time_of_impact(const Scene* scene, const BodyOwner* body, const Rigid
                           double min_separation, bool has_error, double distance_error, double deadline_ms,
                           double max_steps, bool has_filter) {
   return guarded([&] {
-    const ObjectImpact found = scene->time_of_impact(
+    const ObjectImpactResult found = scene->time_of_impact(
         body->body(), motion != nullptr ? *motion : RigidMotion(),
         {max_time, min_separation, error_from(has_error, distance_error),
          has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt, budget_from(deadline_ms, max_steps)});
@@ -292,7 +292,7 @@ bool scene_closest_objects_many(const Scene* scene, std::size_t ids, std::size_t
   return guarded([&] {
     const DistanceArguments asked{relative_error, absolute_error, max_distance, deadline_ms, max_steps};
     const std::size_t poses = ids * configurations;
-    std::vector<ClosestObjects> results(configurations);
+    std::vector<ClosestObjectsResult> results(configurations);
     scene->closest_objects_many(ids_from(ids, 16 * poses), poses_from(poses), results,
                                 closest_options_from(asked, has_filter, matrix, nullptr));
     give_all(results);
@@ -304,7 +304,7 @@ bool scene_any_within_many(const Scene* scene, std::size_t ids, std::size_t conf
                            double deadline_ms, double max_steps, bool has_filter, const ObjectPairMatrix* matrix) {
   return guarded([&] {
     const std::size_t poses = ids * configurations;
-    std::vector<CloseObjects> results(configurations);
+    std::vector<AnyWithinResult> results(configurations);
     scene->any_within_many(ids_from(ids, 16 * poses), poses_from(poses), max_distance, results,
                            {filter_from(has_filter, matrix), budget_from(deadline_ms, max_steps)});
     give_all(results);

@@ -39,8 +39,8 @@ LIMBER_EXPORT(newBox) BodyOwner* new_box(double x, double y, double z, double ra
   return made([&] { return Shape::box({x, y, z}, radius); });
 }
 
-LIMBER_EXPORT(newHalfSpace) BodyOwner* new_half_space(double x, double y, double z, double offset, double extent) {
-  return made([&] { return Shape::half_space({x, y, z}, offset, extent); });
+LIMBER_EXPORT(newHalfSpace) BodyOwner* new_half_space(double x, double y, double z, double offset, double half_extent) {
+  return made([&] { return Shape::half_space({x, y, z}, offset, half_extent); });
 }
 
 // --- points in input(), as float64 unless a function says otherwise ---

@@ -20,9 +20,8 @@ auto ask(const ClosedSurface* a, PoseForm pose_a, const ClosedSurface* b, PoseFo
 /// Where results have deepest vertices: after what give() writes, and the translation or direction.
 constexpr std::size_t deepest_numbers = 13, deepest_words = 4;
 
-/// The numbers of a deepest vertex: depth, position, distance and position of the closest point, its barycentric
-/// coordinates, direction; its words: vertex, triangle, kind and index of the feature. If there is none, the vertex is
-/// no_id.
+/// The numbers of a deepest vertex: depth, position, distance and position of the closest point, its weights,
+/// direction; its words: vertex, triangle, kind and index of the feature. If there is none, the vertex is no_id.
 void put_deepest(double*& number, std::uint32_t*& word, const std::optional<DeepestVertex>& found) {
   const DeepestVertex d = found.value_or(DeepestVertex{});
   *number++ = d.depth;

@@ -131,17 +131,18 @@ class Recorder {
     write("selfClosestPairs", {m}, {10}, {}, contacts_of(found, closest));
   }
 
-  void closest_points(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
+  void closest_point_many(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
     std::vector<PointResult> results(points.size());
-    static_cast<void>(limber::closest_points({models_[m], pose}, points, results, {max_distance}));
+    static_cast<void>(limber::closest_point_many({models_[m], pose}, points, results, {max_distance}));
     const json options{{"pose", of(pose)}, {"maxDistance", of(max_distance)}};
-    write("closestPoints", {m}, {numbers_of(points)}, options, each(results));
+    write("closestPointMany", {m}, {numbers_of(points)}, options, each(results));
   }
-  void signed_distances(std::size_t m, const Transform& pose, const std::vector<Vec3>& points, double max_distance) {
+  void signed_distance_many(std::size_t m, const Transform& pose, const std::vector<Vec3>& points,
+                            double max_distance) {
     std::vector<SignedDistance> results(points.size());
-    ClosedSurface::create(models_[m]).value().signed_distances(points, results, pose, {max_distance});
+    ClosedSurface::create(models_[m]).value().signed_distance_many(points, results, pose, {max_distance});
     const json options{{"pose", of(pose)}, {"maxDistance", of(max_distance)}};
-    write("signedDistances", {m}, {numbers_of(points)}, options, each(results));
+    write("signedDistanceMany", {m}, {numbers_of(points)}, options, each(results));
   }
 
   /// All questions about two bodies.
@@ -244,10 +245,10 @@ class Recorder {
     given.erase("sceneCache");
     write("sceneCall", {}, {"anyWithin", 0.25}, given, of(scene_.any_within(0.25, {.filter = counts})));
     const std::size_t configurations = poses.size() / ids.size();
-    std::vector<CloseObjects> close(configurations);
+    std::vector<AnyWithinResult> close(configurations);
     scene_.any_within_many(ids, poses, 0.25, close, {.filter = counts});
     write("sceneCall", {}, {"anyWithinMany", uint32s(ids), matrices_of(poses), 0.25}, given, each(close));
-    std::vector<ClosestObjects> closest(configurations);
+    std::vector<ClosestObjectsResult> closest(configurations);
     scene_.closest_objects_many(ids, poses, closest, {.max_distance = 2, .filter = counts});
     given["maxDistance"] = 2;
     write("sceneCall", {}, {"closestObjectsMany", uint32s(ids), matrices_of(poses)}, given, each(closest));
@@ -315,8 +316,8 @@ class Recorder {
                {"cache", asked.uses_cache}};
     if (options.distance_error) given["distanceError"] = *options.distance_error;
     if (asked.max_steps < unlimited) given["budget"] = {{"maxSteps", asked.max_steps}};
-    const PathDistance nearest = least_distance(body(a), RigidMotion(start, end), body(b), {}, options);
-    write("leastDistance", {a, b}, {}, given, of(nearest));
+    const PathDistance nearest = min_distance(body(a), RigidMotion(start, end), body(b), {}, options);
+    write("minDistance", {a, b}, {}, given, of(nearest));
     given["minSeparation"] = options.min_separation;
     const PathImpact first = limber::time_of_impact(body(a), RigidMotion(start, end), body(b), {}, options);
     write("pathImpact", {a, b}, {}, given, of(first));
@@ -394,7 +395,7 @@ class Recorder {
   }
   static json options_of(const ImpactOptions& options) {
     json given = options_of_all(options);
-    given["ignoresCrossings"] = options.ignores_crossings, given["anyContact"] = options.any_contact;
+    given["ignoreCrossings"] = options.ignore_crossings, given["anyContact"] = options.any_contact;
     if (options.budget.max_steps < unlimited) given["budget"] = {{"maxSteps", options.budget.max_steps}};
     return given;
   }
@@ -504,12 +505,12 @@ void ask_of_steps(Recorder& record, const scenes::Motion& motion, std::size_t ot
     record.set_motion(other, of_other, {}, {Mat3{}, points_around(rng, 1, 1)[0]}, false);
     const double separation = 0.01 * rng.uniform();
     record.time_of_impact(m, other, {});
-    record.time_of_impact(m, other, {.max_time = 0.7, .time_error = 1e-6, .ignores_crossings = true});
-    record.time_of_impact(m, other, {.min_separation = separation, .nearer_part = 0.5, .ignores_crossings = true});
-    record.time_of_impact(m, other, {.ignores_crossings = true, .any_contact = true});
-    record.time_of_impact(m, other, {.ignores_crossings = true}, 1 + rng.below(60));
+    record.time_of_impact(m, other, {.max_time = 0.7, .time_error = 1e-6, .ignore_crossings = true});
+    record.time_of_impact(m, other, {.min_separation = separation, .nearer_part = 0.5, .ignore_crossings = true});
+    record.time_of_impact(m, other, {.ignore_crossings = true, .any_contact = true});
+    record.time_of_impact(m, other, {.ignore_crossings = true}, 1 + rng.below(60));
     record.self_time_of_impact(m, {.time_error = 1e-6});
-    record.self_time_of_impact(m, {.min_separation = separation, .nearer_part = 0.25, .ignores_crossings = true});
+    record.self_time_of_impact(m, {.min_separation = separation, .nearer_part = 0.25, .ignore_crossings = true});
     record.self_time_of_impact(m, {.any_contact = true}, 1 + rng.below(60));
     record.impacts(m, other, {.max_time = 0.1, .time_error = 1e-6});
     record.impacts(m, other, {.max_time = 0.05, .time_error = 1e-6, .min_separation = 0.001, .nearer_part = 0.5});
@@ -699,9 +700,9 @@ void ask(Recorder& record) {
 
   for (int i = 0; i < 5; ++i) {
     const Transform pose = random_pose(rng, 2);
-    record.closest_points(ball, pose, points_around(rng, 200, 4), i % 2 == 0 ? infinity : 1);
-    record.closest_points(soup, pose, points_around(rng, 200, 50), infinity);
-    record.signed_distances(ball, pose, points_around(rng, 200, 2), i % 2 == 0 ? infinity : 0.5);
+    record.closest_point_many(ball, pose, points_around(rng, 200, 4), i % 2 == 0 ? infinity : 1);
+    record.closest_point_many(soup, pose, points_around(rng, 200, 50), infinity);
+    record.signed_distance_many(ball, pose, points_around(rng, 200, 2), i % 2 == 0 ? infinity : 0.5);
   }
 
   ask_of_elements(record, rng);

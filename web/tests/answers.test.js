@@ -61,8 +61,8 @@ const calls = {
   moveAll: (model, positions) => model.moveAll(positions),
   moveVertices: (model, ...args) => model.moveVertices(...args),
   commit: (model) => model.commit(),
-  signedDistances(model, points, options) {
-    const surface = new limber.ClosedSurface(model), found = surface.signedDistances(points, options);
+  signedDistanceMany(model, points, options) {
+    const surface = new limber.ClosedSurface(model), found = surface.signedDistanceMany(points, options);
     surface.dispose();
     return found;
   },
@@ -97,7 +97,7 @@ const calls = {
   },
 };
 
-const withOptions = ["signedDistances", "setMotion", "sceneCall", "sceneNextTo"];
+const withOptions = ["signedDistanceMany", "setMotion", "sceneCall", "sceneNextTo"];
 const ofSurfaces = ["solidRelation", "deepestVertices", "separatingTranslation", "signedDistance"];
 const ofContacts = ["poseGradientA", "poseGradientB", "vertexGradientsA", "vertexGradientsB"];
 const withoutOptions = [...ofContacts, "weld", "readMeshBytes"];
@@ -141,9 +141,9 @@ test("every answer has the bits of the native library's", async () => {
     });
   }
   const names = ["distance", "collide", "within", "contacts", "intersections", "closestPairs", "selfCollide",
-    "selfDistance", "selfContacts", "selfIntersections", "selfClosestPairs", "closestPoints", "readMeshBytes",
+    "selfDistance", "selfContacts", "selfIntersections", "selfClosestPairs", "closestPointMany", "readMeshBytes",
     "vertexFaceImpact", "edgeEdgeImpact", "timeOfImpact", "selfTimeOfImpact", "impacts", "selfImpacts", "pathImpact",
-    "leastDistance", "contactOf", ...ofSurfaces, ...withoutOptions];
+    "minDistance", "contactOf", ...ofSurfaces, ...withoutOptions];
   for (const name of [...names, ...Object.keys(calls)]) assert.ok(counts[name] > 0, `nothing was asked of ${name}`);
   console.log(counts);
 });

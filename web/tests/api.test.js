@@ -180,7 +180,7 @@ test("distances, errors and limits", () => {
   assert.equal(exact.lower, 1.25);
   assert.equal(exact.upper, 1.25);
   assert.equal(exact.stoppedBy, "nothing");
-  assert.ok(exact.stats.nodeTests > 0 && exact.stats.triangleTests > 0);
+  assert.ok(exact.stats.nodeTests > 0 && exact.stats.primitiveTests > 0);
   const { lower, upper } = limber.distance(a, b, { poseB, relativeError: 0.5 });
   assert.ok(lower <= 1.25 && upper >= 1.25 && upper <= 1.5 * 1.25);
   assert.ok(limber.distance(a, b, { poseB, absoluteError: 0.1 }).upper <= 1.35);
@@ -322,7 +322,7 @@ test("queries of a model with itself", () => {
   const far = limber.selfContacts(a, 0.01, { filter: new limber.NeighborRings(a, 30) });
   assert.equal(far.count, 0);
   assert.equal(limber.selfClosestPairs(a, 3).count, 3);
-  refuses(() => new limber.NeighborRings(a, -1), "invalidArgument", "edges");
+  refuses(() => new limber.NeighborRings(a, -1), "invalidArgument", "maxEdges");
   const rings = new limber.NeighborRings(tetrahedron(), 0);
   refuses(() => limber.selfContacts(a, 0.01, { filter: rings }), "invalidArgument");
 });
@@ -330,28 +330,28 @@ test("queries of a model with itself", () => {
 test("points", () => {
   const a = tetrahedron(), pose = { translation: [10, 0, 0] };
   const { closest: near, stats } = limber.closestPoint(a, [10.25, 0.25, -2], { pose });
-  assert.ok(stats.nodeTests === 0 && stats.triangleTests > 0);
+  assert.ok(stats.nodeTests === 0 && stats.primitiveTests > 0);
   assert.deepEqual([near.distance, near.position, near.feature], [2, [10.25, 0.25, 0], { kind: "face", index: 0 }]);
-  assert.ok(Math.abs(near.barycentric.reduce((sum, weight) => sum + weight) - 1) < 1e-12);
+  assert.ok(Math.abs(near.weights.reduce((sum, weight) => sum + weight) - 1) < 1e-12);
   assert.equal(limber.closestPoint(a, { x: 0, y: 0, z: 0 }, { pose, maxDistance: 1 }).closest, null);
-  const many = limber.closestPoints(a, Float32Array.of(0, 0, -3, 0.1, 0.1, 0.1), { maxDistance: 2 });
+  const many = limber.closestPointMany(a, Float32Array.of(0, 0, -3, 0.1, 0.1, 0.1), { maxDistance: 2 });
   assert.ok(many instanceof limber.PointResults);
   assert.deepEqual([many.count, many.at(0).closest, many.distances[0]], [2, null, Infinity]);
   assert.deepEqual([many.triangles[0], limber.noId], [limber.noId, 0xffffffff]);
   assert.deepEqual([...many][1], many.at(1));
   const { closest: second } = many.at(1), kind = limber.featureKinds.indexOf(second.feature.kind);
-  assert.ok(second.distance > 0 && many.at(1).stats.nodeTests === many.nodeTests[1] && many.triangleTests[1] > 0);
+  assert.ok(second.distance > 0 && many.at(1).stats.nodeTests === many.nodeTests[1] && many.primitiveTests[1] > 0);
   assert.deepEqual([...many.features.subarray(2)], [kind, second.feature.index]);
   refuses(() => limber.closestPoint(a, [0, 0]), "invalidArgument", "point");
   refuses(() => limber.closestPoint(a, [0, 0, NaN]), "invalidArgument", "point");
-  refuses(() => limber.closestPoints(a, [0, 0]), "sizeMismatch", "points");
+  refuses(() => limber.closestPointMany(a, [0, 0]), "sizeMismatch", "points");
   const surface = new limber.ClosedSurface(a);
   assert.ok(surface.contains([0.1, 0.1, 0.1]) && !surface.contains([0.1, 0.1, 0.1], { pose }));
   const { distance, isInside, closest } = surface.signedDistance([0.1, 0.1, 0.2]);
   assert.ok(isInside && distance < 0 && closest.distance === -distance);
   const outside = surface.signedDistance([3, 3, 3]);
-  assert.ok(outside.distance > 0 && !outside.isInside && outside.stats.triangleTests > 0);
-  const signed = surface.signedDistances([0.1, 0.1, 0.1, 3, 3, 3, 0, 0, 0], { maxDistance: 0.01 });
+  assert.ok(outside.distance > 0 && !outside.isInside && outside.stats.primitiveTests > 0);
+  const signed = surface.signedDistanceMany([0.1, 0.1, 0.1, 3, 3, 3, 0, 0, 0], { maxDistance: 0.01 });
   assert.ok(signed instanceof limber.SignedDistances && signed instanceof limber.PointResults);
   assert.deepEqual([...signed.insides], [1, 0, 1]);
   assert.deepEqual([...signed.distances], [Infinity, Infinity, 0]);
@@ -398,7 +398,7 @@ test("names of numbers cannot be changed, and nothing inside of objects is reach
   const scene = new limber.Scene();
   scene.commit();
   const distances = scene.distance([]), answers = scene.collide([]);
-  const shared = ["count", "nodeTests", "objects", "pointsA", "pointsB", "stoppedBys", "triangleTests", "trianglesA",
+  const shared = ["count", "nodeTests", "objects", "pointsA", "pointsB", "stoppedBys", "primitiveTests", "trianglesA",
     "trianglesB"];
   assert.deepEqual(Object.keys(distances).sort(), ["lowers", "statuses", "uppers", ...shared].sort());
   assert.deepEqual(Object.keys(answers).sort(), ["answers", ...shared].sort());

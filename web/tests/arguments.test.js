@@ -45,9 +45,9 @@ test("options that do not exist are refused with those that do", () => {
     "filter, budget": [(o) => scene.anyWithin(1, o), (o) => scene.anyWithinMany([0], [], 1, o)],
     "pose, maxDistance": [
       (o) => limber.closestPoint(a, [0, 0, 0], o),
-      (o) => limber.closestPoints(a, [0, 0, 0], o),
+      (o) => limber.closestPointMany(a, [0, 0, 0], o),
       (o) => surface.signedDistance([0, 0, 0], o),
-      (o) => surface.signedDistances([0, 0, 0], o),
+      (o) => surface.signedDistanceMany([0, 0, 0], o),
     ],
     "pose, filter": [(o) => scene.candidates(a, 1, o)],
     "pose": [(o) => surface.contains([0, 0, 0], o)],
@@ -56,7 +56,7 @@ test("options that do not exist are refused with those that do", () => {
       (o) => limber.vertexFaceImpact(corners, corners, o),
       (o) => limber.edgeEdgeImpact(corners, corners, o),
     ],
-    "maxTime, timeError, minSeparation, nearerPart, ignoresCrossings, anyContact, budget": [
+    "maxTime, timeError, minSeparation, nearerPart, ignoreCrossings, anyContact, budget": [
       (o) => limber.timeOfImpact(moving, moving, o),
       (o) => limber.selfTimeOfImpact(moving, o),
     ],
@@ -65,7 +65,7 @@ test("options that do not exist are refused with those that do", () => {
       (o) => limber.selfImpacts(moving, o),
     ],
     "motionA, motionB, maxTime, minSeparation, distanceError, budget, cache": [(o) => limber.timeOfImpact(a, a, o)],
-    "motionA, motionB, maxTime, distanceError, budget, cache": [(o) => limber.leastDistance(a, a, o)],
+    "motionA, motionB, maxTime, distanceError, budget, cache": [(o) => limber.minDistance(a, a, o)],
     "startPose, endPose": [(o) => moving.setMotion(corners, o)],
     "deadline, maxSteps": [(budget) => limber.distance(a, a, { budget }), (budget) => limber.collide(a, a, { budget })],
     "quaternion, rotation, translation": [(poseB) => limber.distance(a, a, { poseB })],
@@ -96,7 +96,7 @@ test("coordinates are numbers", () => {
     refuses(() => a.moveVertices([1], [0, wrong, 0]), "invalidArgument", "positions[1]");
     refuses(() => moving.setMotion([...corners.slice(0, 11), wrong]), "invalidArgument", "endPositions[11]");
     refuses(() => limber.edgeEdgeImpact(corners, [...corners.slice(0, 11), wrong]), "invalidArgument", "end[11]");
-    refuses(() => limber.closestPoints(a, [0, wrong, 0]), "invalidArgument", "points[1]");
+    refuses(() => limber.closestPointMany(a, [0, wrong, 0]), "invalidArgument", "points[1]");
     for (const point of [[0, wrong, 0], { x: wrong, y: 0, z: 0 }, wrong]) {
       refuses(() => limber.closestPoint(a, point), "invalidArgument", "point");
       refuses(() => surface.contains(point), "invalidArgument", "point");
@@ -129,7 +129,7 @@ test("numbers of poses and options are numbers", () => {
     refuses(() => limber.selfContacts(a, wrong), "invalidArgument", "margin");
     refuses(() => limber.closestPairs(a, a, wrong), "invalidArgument", "count");
     refuses(() => limber.selfClosestPairs(a, wrong), "invalidArgument", "count");
-    refuses(() => new limber.NeighborRings(a, wrong), "invalidArgument", "edges");
+    refuses(() => new limber.NeighborRings(a, wrong), "invalidArgument", "maxEdges");
     refuses(() => a.nodeSpheres(wrong), "invalidArgument", "level");
     refuses(() => new limber.RigidMotion().at(wrong), "invalidArgument", "time");
     if (wrong === undefined) continue;  // an option that is not given
@@ -161,7 +161,7 @@ test("numbers of poses and options are numbers", () => {
     if (wrong !== null) refuses(() => limber.distance(a, a, { poseA: wrong }), "invalidArgument", "poseA");
     if (wrong !== true) {
       refuses(() => new limber.Model(corners, faces, { preallocate: wrong }), "invalidArgument", "preallocate");
-      for (const name of ["ignoresCrossings", "anyContact"]) {
+      for (const name of ["ignoreCrossings", "anyContact"]) {
         refuses(() => limber.timeOfImpact(moving, moving, { [name]: wrong }), "invalidArgument", name);
       }
     }
@@ -194,7 +194,7 @@ test("what is read may call the library before anything is written for the call"
   const disturb = () => {
     const other = new limber.Model(far, faces);
     limber.distance(other, b, { poseA: farAway, poseB: farAway });
-    limber.closestPoints(other, far);
+    limber.closestPointMany(other, far);
     limber.vertexFaceImpact(far, far);
     other.dispose();
   };
@@ -232,7 +232,7 @@ test("what is read may call the library before anything is written for the call"
     const surface = new limber.ClosedSurface(a);
     assert.equal(surface.contains(point, { pose: poseA }), false);
     assert.equal(surface.signedDistance(point, pose).distance, 1);
-    assert.equal(surface.signedDistances(arrayReading([0, 0, 0], disturb), pose).distances[0], 1);
+    assert.equal(surface.signedDistanceMany(arrayReading([0, 0, 0], disturb), pose).distances[0], 1);
     const moving = new limber.MovingModel(a);
     moving.setMotion(arrayReading(corners, disturb), reading({ startPose: null, endPose: poseA }, disturb));
     const times = reading({ maxTime: 1, timeError: 0, minSeparation: 2.5, nearerPart: 0, budget }, disturb);
@@ -264,14 +264,14 @@ test("what is read may dispose of the arguments, which is then noticed", () => {
   disposing((a, free) => limber.closestPairs(a, b, 1, { poseB: reading(still, free) }));
   disposing((a, free) => limber.selfDistance(a, reading({ relativeError: 0 }, free)));
   disposing((a, free, cache, rings) => limber.selfContacts(a, 1, reading({ filter: rings }, free)));
-  disposing((a, free) => limber.closestPoints(a, arrayReading([0, 0, 0], free)));
-  disposing((a, free) => limber.closestPoints(a, [0, 0, 0], reading({ pose: still }, free)));
+  disposing((a, free) => limber.closestPointMany(a, arrayReading([0, 0, 0], free)));
+  disposing((a, free) => limber.closestPointMany(a, [0, 0, 0], reading({ pose: still }, free)));
   disposing((a, free) => new limber.ClosedSurface(a).contains(reading({ x: 0, y: 0, z: 0 }, free)));
-  disposing((a, free) => new limber.ClosedSurface(a).signedDistances(arrayReading([0, 0, 0], free)));
+  disposing((a, free) => new limber.ClosedSurface(a).signedDistanceMany(arrayReading([0, 0, 0], free)));
   disposing((a, free) => new limber.MovingModel(a).setMotion(arrayReading(corners, free)));
   disposing((a, free) => limber.selfTimeOfImpact(staying(a), reading({ maxTime: 1 }, free)));
   disposing((a, free) => limber.selfImpacts(staying(a), reading({ maxCount: 5 }, free)));
-  disposing((a, free, cache) => limber.leastDistance(b, b, reading({ cache, maxTime: 1 }, free)));
+  disposing((a, free, cache) => limber.minDistance(b, b, reading({ cache, maxTime: 1 }, free)));
   disposing((a, free) => limber.timeOfImpact(b, a, { budget: reading({ maxSteps: 5 }, free) }));
   disposing((a, free) => limber.contactOf(a, b, reading({ triangleA: 0, triangleB: 0 }, free)));
   const solid = new limber.ClosedSurface(b);
@@ -300,7 +300,7 @@ test("a filter that calls the library disturbs nothing", () => {
   const away = { translation: [50, 50, 50] };
   const filter = () => {
     refuses(() => limber.distance(a, b, { poseA: away, poseB: away }), "busy");
-    refuses(() => limber.closestPoints(a, corners), "busy");
+    refuses(() => limber.closestPointMany(a, corners), "busy");
     refuses(() => new limber.Model(corners, faces), "busy");
     refuses(() => limber.orthonormalized([9, 0, 0, 0, 9, 0, 0, 0, 9]), "busy");
     return true;

@@ -36,7 +36,7 @@ inline json of(double x) { return std::isfinite(x) ? json(x) : json("Infinity");
 inline json of(const Vec3& v) { return {v.x, v.y, v.z}; }
 inline json of(const Transform& pose) { return matrix_of(pose, MatrixOrder::column_major); }
 inline json of(const QueryStats& stats) {
-  return {{"nodeTests", stats.node_tests}, {"triangleTests", stats.triangle_tests}};
+  return {{"nodeTests", stats.node_tests}, {"primitiveTests", stats.primitive_tests}};
 }
 
 template <typename Enum, std::size_t count>
@@ -105,14 +105,19 @@ inline json of(const ImpactResult& r) {
 }
 
 inline json of(const PathImpact& r) {
-  return {
-      {"status", of(r.status)},        {"time", of(r.time)},   {"witness", of(r.witness)}, {"distances", r.distances},
-      {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)}, {"normal", of(r.normal)}};
+  return {{"status", of(r.status)},        {"time", of(r.time)},
+          {"witness", of(r.witness)},      {"distanceCount", r.distance_count},
+          {"stoppedBy", of(r.stopped_by)}, {"stats", of(r.stats)},
+          {"normal", of(r.normal)}};
 }
 
 inline json of(const PathDistance& r) {
-  return {{"lower", of(r.lower)},     {"upper", of(r.upper)},     {"time", of(r.time)},
-          {"witness", of(r.witness)}, {"distances", r.distances}, {"stoppedBy", of(r.stopped_by)},
+  return {{"lower", of(r.lower)},
+          {"upper", of(r.upper)},
+          {"time", of(r.time)},
+          {"witness", of(r.witness)},
+          {"distanceCount", r.distance_count},
+          {"stoppedBy", of(r.stopped_by)},
           {"stats", of(r.stats)}};
 }
 
@@ -120,7 +125,7 @@ inline json of(const SurfacePoint& p) {
   return {{"distance", of(p.distance)},
           {"position", of(p.position)},
           {"triangle", p.triangle},
-          {"barycentric", p.barycentric},
+          {"weights", of(p.weights)},
           {"feature", of(p.feature)}};
 }
 
@@ -152,7 +157,7 @@ inline json of(const std::optional<DeepestVertex>& d) {
 
 /// Deepest vertices without what other results have too.
 inline json pair_of(const DeepestVertices& d) {
-  return {{"ofA", of(d.of_a)}, {"ofB", of(d.of_b)}, {"upper", of(d.upper)}};
+  return {{"ofA", of(d.of_a)}, {"ofB", of(d.of_b)}, {"maxDepth", of(d.max_depth)}};
 }
 
 inline json of(const DeepestVertices& d) {
@@ -186,7 +191,7 @@ json of(const Found& found) {
   return {{"objects", pair.a == no_id ? json(nullptr) : json{pair.a, pair.b}}, {"result", of(found.result)}};
 }
 
-inline json of(const ClosestObject& c) {
+inline json of(const ClosestObjectResult& c) {
   return {{"object", c.object == no_id ? json(nullptr) : json(c.object)}, {"result", of(c.result)}};
 }
 

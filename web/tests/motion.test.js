@@ -89,7 +89,7 @@ test("a body falls on a plate", () => {
   const floor = plate(), found = limber.timeOfImpact(falling(3, -1), floor);
   assert.deepEqual([found.status, found.lower, found.upper], ["contact", 0.75, 0.75]);
   assert.equal(found.stoppedBy, "nothing");
-  assert.ok(["vertexFace", "edgeEdge"].includes(found.elements.kind) && found.stats.triangleTests > 0);
+  assert.ok(["vertexFace", "edgeEdge"].includes(found.elements.kind) && found.stats.primitiveTests > 0);
   assert.deepEqual(found.normal.map((x) => x + 0), [0, 0, -1]);
   assert.deepEqual([found.witness.pointA[2], found.witness.pointB[2]], [0, 0]);
   assert.ok(found.witness.triangleA < 4 && found.witness.triangleB < 2);
@@ -100,7 +100,7 @@ test("a body falls on a plate", () => {
   assert.deepEqual([crossing.status, crossing.upper, crossing.elements], ["initialContact", 0, null]);
   isNear(crossing.witness.pointA[2], 0, 1e-12);
   // What crosses may go on. An edge is 0.4 above the plate's diagonal, at (0.2, 0.2).
-  const down = limber.timeOfImpact(falling(-0.5, -1.5), floor, { ignoresCrossings: true });
+  const down = limber.timeOfImpact(falling(-0.5, -1.5), floor, { ignoreCrossings: true });
   assert.deepEqual([down.status, down.elements.kind], ["contact", "edgeEdge"]);
   isNear(down.upper, 0.4, 1e-15);
   const apart = limber.timeOfImpact(falling(3, -1), floor, { minSeparation: 1, maxTime: 0.9 });
@@ -180,8 +180,8 @@ test("impacts are those of all pairs of elements", () => {
     const both = touching(startA, endA, edgesA, startB, endB, edgesB, false);
     const one = touching(startA, endA, edgesA, startA, endA, edgesA, true);
     for (const [all, found, first] of [
-      [both, limber.impacts(a, b), limber.timeOfImpact(a, b, { ignoresCrossings: true })],
-      [one, limber.selfImpacts(a), limber.selfTimeOfImpact(a, { ignoresCrossings: true })],
+      [both, limber.impacts(a, b), limber.timeOfImpact(a, b, { ignoreCrossings: true })],
+      [one, limber.selfImpacts(a), limber.selfTimeOfImpact(a, { ignoreCrossings: true })],
     ]) {
       assert.ok(found.isComplete && found.count === all.size && all.size > 100, `${found.count} of ${all.size}`);
       for (const { elements: { kind, a: i, b: j }, time: impact } of found) {
@@ -199,7 +199,7 @@ test("impacts are arrays, and records", () => {
   const a = falling(3, -1), floor = plate(), all = limber.impacts(a, floor);
   assert.equal(all.count, [...all].length);
   assert.equal([...all].filter(({ elements }) => elements.kind === "vertexFace").length >= 4, true);
-  assert.ok(all.stats.triangleTests >= all.count);
+  assert.ok(all.stats.primitiveTests >= all.count);
   const some = limber.impacts(a, floor, { maxCount: 2 });
   assert.deepEqual([some.count, some.isComplete, all.isComplete], [2, false, true]);
   assert.deepEqual(some.at(1), all.at(1));
@@ -268,7 +268,8 @@ test("bodies go along a path", () => {
   const motionA = new limber.RigidMotion(above(3), above(-1));
   const found = limber.timeOfImpact(body, floor, { motionA, distanceError: 1e-6 });
   assert.equal(found.status, "contact");
-  assert.ok(found.time <= 0.75 && found.time >= 0.75 - 1e-6 && found.distances < 40 && found.stoppedBy === "nothing");
+  assert.ok(found.time <= 0.75 && found.time >= 0.75 - 1e-6 && found.distanceCount < 40);
+  assert.equal(found.stoppedBy, "nothing");
   isNear(found.witness.pointA[2], 0, 2e-6);
   assert.deepEqual(found.witness.pointB[2], 0);
   isNear(limber.timeOfImpact(body, floor, { motionA, minSeparation: 1, cache }).time, 0.5, 1e-5);
@@ -280,11 +281,11 @@ test("bodies go along a path", () => {
   const few = limber.timeOfImpact(body, floor, { motionA, minSeparation: 0.01, budget: { maxSteps: 1 } });
   assert.deepEqual([few.status, few.stoppedBy], ["undecided", "maxSteps"]);
   assert.ok(few.time < 0.75);
-  const nearest = limber.leastDistance(body, floor, { motionA, maxTime: 0.25, distanceError: 1e-5, cache });
+  const nearest = limber.minDistance(body, floor, { motionA, maxTime: 0.25, distanceError: 1e-5, cache });
   assert.equal(nearest.time, 0.25);
   isNear(nearest.upper, 2, 1e-12);
   assert.ok(nearest.lower <= 2 && nearest.upper - nearest.lower < 1e-5);
-  assert.equal(limber.leastDistance(body, floor, { motionA }).upper, 0);
+  assert.equal(limber.minDistance(body, floor, { motionA }).upper, 0);
 });
 
 test("bodies turn", () => {
@@ -296,11 +297,11 @@ test("bodies turn", () => {
   assert.equal(found.status, "contact");
   assert.ok(found.time <= 1 / 3 + 1e-12 && found.time > 1 / 3 - 1e-8, `${found.time}`);
   assert.deepEqual(limber.distance(blade, wall, { poseA: motionA.at(found.time), maxDistance: 2e-9 }).status, "exact");
-  const nearest = limber.leastDistance(blade, wall, { motionA, maxTime: 0.25, distanceError: 1e-9 });
+  const nearest = limber.minDistance(blade, wall, { motionA, maxTime: 0.25, distanceError: 1e-9 });
   isNear(nearest.upper, 1 - 2 * Math.sin(Math.PI / 8), 1e-8);
   assert.equal(nearest.time, 0.25);
   const widths = [undefined, 0].map((distanceError) => {
-    const { lower, upper } = limber.leastDistance(blade, wall, { motionA, maxTime: 0.25, distanceError });
+    const { lower, upper } = limber.minDistance(blade, wall, { motionA, maxTime: 0.25, distanceError });
     return upper - lower;
   });
   assert.ok(widths[0] > 1e-4 && widths[1] < 1e-11, widths.join(" "));
@@ -331,7 +332,7 @@ test("motions that are none are refused, and what paths do not take", () => {
   refuses(() => limber.RigidMotion.screw(null, Array(16).fill(1)), "notRigid", "end");
   refuses(() => new limber.RigidMotion(null, null, [0, 0]), "invalidArgument", "center");
   refuses(() => new limber.RigidMotion(null, null, [0, 0, NaN]), "invalidArgument", "center");
-  for (const query of [limber.timeOfImpact, limber.leastDistance]) {
+  for (const query of [limber.timeOfImpact, limber.minDistance]) {
     for (const wrong of [null, {}, { translation: [0, 0, 1] }, a, Object.create(limber.RigidMotion.prototype)]) {
       refuses(() => query(a, b, { motionA: wrong }), "invalidArgument", "motionA");
       refuses(() => query(a, b, { motionA: motion, motionB: wrong }), "invalidArgument", "motionB");
@@ -357,7 +358,7 @@ test("what is no moving model is refused, and what has been disposed of", () => 
     refuses(() => limber.selfTimeOfImpact(wrong), "invalidArgument", "model is");
     refuses(() => limber.selfImpacts(wrong), "invalidArgument", "model is");
     refuses(() => new limber.MovingModel(wrong), "invalidArgument", "model is no Model");
-    refuses(() => limber.leastDistance(model, wrong), "invalidArgument", "b is no Model");
+    refuses(() => limber.minDistance(model, wrong), "invalidArgument", "b is no Model");
   }
   refuses(() => limber.timeOfImpact(a, model), "invalidArgument", "b is no MovingModel");
   refuses(() => limber.timeOfImpact(model, a), "invalidArgument", "b is no Model");

@@ -58,7 +58,7 @@ test("shapes are taken where models are", () => {
   const motionB = new limber.RigidMotion({ translation: [5, 0, 0] }, { translation: [0, 0, 0] });
   near(limber.timeOfImpact(model, ball, { motionB }).time, 0.7, 1e-4);
   near(limber.timeOfImpact(ball, model, { motionA: motionB }).time, 0.7, 1e-4);
-  assert.equal(limber.leastDistance(ball, ball, { motionB }).upper, 0);
+  assert.equal(limber.minDistance(ball, ball, { motionB }).upper, 0);
   assert.equal(limber.collide(Shape.box([2, 2, 2]), model).answer, "yes");
 });
 

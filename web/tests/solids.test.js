@@ -45,7 +45,7 @@ test("depths of cubes are what their sides say", () => {
   const apart = limber.signedDistance(unit, unit, at(3, 0, 0));
   assert.ok(apart.areApart && apart.lower === 2 && apart.witness.pointB[0] === 3 && apart.deepest.ofA === null);
   const vertices = limber.deepestVertices(unit, unit, { poseB });
-  near(vertices.upper, 0.125), near(vertices.ofA.depth, 0.125), near(length(vertices.ofB.direction), 1);
+  near(vertices.maxDepth, 0.125), near(vertices.ofA.depth, 0.125), near(length(vertices.ofB.direction), 1);
   assert.deepEqual(vertices.ofB.position, [0.875, 0.25, 0.5]);
   assert.equal(vertices.ofB.vertex, 0);
   near(vertices.ofB.closest.position[0], 1);

@@ -43,7 +43,7 @@ const element: number | undefined = limber.selfTimeOfImpact(moving, { budget: { 
 const impacts: Impact[] = [...limber.impacts(moving, moving, { timeError: 1e-6, maxCount: 5 })];
 const motionA = new limber.RigidMotion(poses[0], poses[1], vector3), screw = limber.RigidMotion.screw(null, poses[2]);
 const onPath: PathImpact = limber.timeOfImpact(a, b, { motionA, motionB: screw, minSeparation: 0.1, cache });
-const nearest: PathDistance = limber.leastDistance(a, b, { motionA, distanceError: 0.1 });
+const nearest: PathDistance = limber.minDistance(a, b, { motionA, distanceError: 0.1 });
 const placed: Pose = motionA.at(0.5);
 const crossed: ElementImpact = limber.edgeEdgeImpact(new Float64Array(12), new Float64Array(12), { minSeparation: 1 });
 
@@ -65,7 +65,7 @@ const gap: number = limber.distance(bodies[0], floor).upper + shape.deviation;
 const offsets: Uint32Array = scene.contacts([id, id], 0.1, { orientedFaces: "both" }).offsets;
 const closest: number | null = scene.closestObject(shape, { pose: null, filter: (other) => other > 1 }).object;
 
-const inners: SignedDistance[] = [...surface.signedDistances(vertices)].filter((one) => one.isInside);
+const inners: SignedDistance[] = [...surface.signedDistanceMany(vertices)].filter((one) => one.isInside);
 const side: "unknown" | "outward" | "inward" = limber.normalSides[limber.contacts(a, b, 1).normalSides[0]];
 
 // @ts-expect-error names do not change

@@ -102,7 +102,7 @@ function showDistance({ lower, upper, status, witness, stats }: DistanceResult):
     ['Point of A', witness === null ? '\u2013' : shownPoint(witness.pointA)],
     ['Point of B', witness === null ? '\u2013' : shownPoint(witness.pointB)],
     ['Triangles of A and B', witness === null ? '\u2013' : `${witness.triangleA}, ${witness.triangleB}`],
-    ['Pairs compared', `${grouped(stats.nodeTests)} of bounds, ${grouped(stats.triangleTests)} of triangles`],
+    ['Pairs compared', `${grouped(stats.nodeTests)} of bounds, ${grouped(stats.primitiveTests)} of triangles`],
   ]);
   for (const [id, row] of [
     ['lower', 0],
