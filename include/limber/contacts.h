@@ -296,7 +296,7 @@ struct ReductionOptions {
 ///          within `max_angle`, up to rounding. First contacts of patches are farther apart than that.
 ///          The result does not depend on the order of the input, but for contacts that are equal in all numbers.
 /// Throws   std::invalid_argument unless the radius is finite and above 0, the options are what their comments say, all
-///          numbers of the contacts are finite, and no normal is longer than 1, up to rounding to float32;
+///          numbers of the contacts are finite, and no normal is 0 or longer than 1, up to rounding to float32;
 ///          std::bad_alloc. The contacts are then as they were.
 /// Cost     O(n log n) for n contacts, wherever they are and however their normals lie: each is compared with the
 ///          patches next to it, some hundred at most. Allocates nothing if `memory` has grown to it; else 250 bytes a

@@ -14,6 +14,7 @@
 #include <numbers>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "reference/reference.h"
@@ -326,13 +327,17 @@ TEST(ContactReduction, RefusesBadOptionsAndContacts) {
   std::vector<Contact> stretched = contacts;
   stretched[4].normal = {0, 0, 1 + 0x1p-24};
   EXPECT_GT(reduce_contacts(stretched, 1), 0U);
-  stretched = contacts;
-  stretched[4].normal = {0, 0, 1.01};
-  try {
-    static_cast<void>(reduce_contacts(stretched, 1));
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "limber::reduce_contacts: contact 4 has a normal longer than 1");
+  for (const double bad : {1.01, 0.0, -0.0}) {
+    stretched = contacts;
+    stretched[4].normal = {0, 0, bad};
+    try {
+      static_cast<void>(reduce_contacts(stretched, 1));
+      FAIL() << bad;
+    } catch (const std::invalid_argument& error) {
+      const std::string what = bad == 0 ? "of length 0" : "longer than 1";
+      EXPECT_EQ(error.what(), "limber::reduce_contacts: contact 4 has a normal " + what);
+    }
+    EXPECT_EQ(stretched[0].point_a, contacts[0].point_a);
   }
   for (const double bad : {0.0, -1.0, infinity, nan}) {
     EXPECT_THROW(static_cast<void>(reduce_contacts(contacts, bad)), std::invalid_argument);

@@ -84,9 +84,10 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   const CollideResult classic_near = classic::within({classic_a, s.pose_a}, {classic_b, s.pose_b}, limit);
   put(classic_near.is_yes()), put(classic_near.witness.value_or(Witness{}).point_b.z);
   std::vector<Contact> found(100);
-  put(contacts(a, b, limit, found).count), put(found[0].point_a.x), put(found[0].normal.z);
-  put(reduce_contacts(found, 1));
-  put(reference::reduced_contacts(found, 0.5, {}).size());
+  const std::size_t count = contacts(a, b, limit, found).count;
+  put(count), put(found[0].point_a.x), put(found[0].normal.z);
+  const std::span reduced = std::span(found).first(std::min(count, found.size()));
+  put(reduce_contacts(reduced, 1)), put(reference::reduced_contacts(reduced, 0.5, {}).size());
   put(closest_pairs(a, b, found).count), put(found[0].point_b.y);
   put(intersections(a, b, {}).count), put(self_intersections(model_a, {}).count), put(self_collide(model_a).is_yes());
   put(self_distance(model_a).upper), put(self_contacts(model_a, 0, found).count);
