@@ -95,7 +95,7 @@ class Found(NamedTuple):
 
 def contacts_of(
     cloth: limber3d.Model, frame: FloatArray, body: limber3d.Model, margin: float
-) -> tuple[RecordArray, RecordArray]:
+) -> tuple[limber3d.Contacts, limber3d.Contacts]:
     """Moves the sheet, and finds its contacts with the ring and with itself."""
     cloth.move_all(frame)
     cloth.commit()

@@ -21,10 +21,8 @@ def load(
 
     Raises   OSError if the file cannot be read, ValueError or IndexError if it is no mesh, as read_mesh_file().
     """
-    vertices, faces, _ = read_mesh_file(path)
     return Model(
-        vertices,
-        faces,
+        read_mesh_file(path),
         motion_margin=motion_margin,
         rebuild_policy=rebuild_policy,
         rebuild_budget_us=rebuild_budget_us,

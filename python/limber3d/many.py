@@ -13,6 +13,7 @@ from typing import Any
 import numpy
 
 from . import _core
+from .results import ManyContacts
 from .typing import ArrayLike, ObjectFilter, PosesLike, RecordArray
 
 _LEAST_SECONDS, _MOST_SECONDS = 0.03, 0.12  # of one part of a batch: how soon Ctrl-C ends it
@@ -160,20 +161,19 @@ def contacts_many(
     filter: _core.NeighborRings | None = None,
     threads: int | None = None,
     progress: bool = False,
-) -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
+) -> ManyContacts:
     """contacts() for many poses.
 
-    Shape    Returns all contacts, one pose after the other, as an array of limber3d.contact_dtype, and n + 1 offsets:
-             the contacts of poses i are contacts[offsets[i]:offsets[i + 1]].
-    Promise  They are those that contacts() finds for poses i, in that order, to the bit.
+    Promise  Those of pose i, [i] of the result, are those that contacts() finds, in that order, to the bit.
     Raises, Threads   As distance_many().
     """
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
     found: list[RecordArray] = []
     counts: list[Any] = [numpy.zeros(1, numpy.int64)]
 
-    def joined() -> tuple[RecordArray, numpy.typing.NDArray[numpy.int64]]:
-        return _joined(found, _core.contact_dtype), numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
+    def joined() -> ManyContacts:
+        offsets = numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
+        return ManyContacts(contacts=_joined(found, _core.contact_dtype), offsets=offsets)
 
     try:
         for begin, end in _parts(1 if batch.size is None else batch.size, progress):
@@ -183,7 +183,7 @@ def contacts_many(
     except KeyboardInterrupt:
         del found[len(counts) - 1 :]
         results = joined()
-        raise BatchInterrupted(results, len(results[1]) - 1) from None
+        raise BatchInterrupted(results, len(results)) from None
     return joined()
 
 

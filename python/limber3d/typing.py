@@ -11,7 +11,7 @@ import numpy
 import numpy.typing
 
 if TYPE_CHECKING:
-    from . import _core
+    from . import _core, results
 
 ArrayLike = numpy.typing.ArrayLike
 """An array, or a list that becomes one. Arrays are read where they are; see the guide for shapes and element types."""
@@ -20,6 +20,9 @@ FloatArray = numpy.typing.NDArray[numpy.float64]
 IdArray = numpy.typing.NDArray[numpy.uint32]
 RecordArray = numpy.typing.NDArray[numpy.void]
 """An array of records; its element type is one of the module's, such as limber3d.contact_dtype."""
+
+ContactsLike = Union["results.Contacts", "results.ReducedContacts", RecordArray, numpy.void]
+"""Contacts, an array of limber3d.contact_dtype, or one of its records."""
 
 PoseLike = Union[ArrayLike, tuple[ArrayLike, ArrayLike], None]
 """world_from_model: None for the identity; a 4 x 4 matrix; (rotation, translation), where the rotation is a 3 x 3
@@ -70,6 +73,7 @@ class ModelOptions(TypedDict):
 
 __all__ = [
     "ArrayLike",
+    "ContactsLike",
     "FloatArray",
     "IdArray",
     "MeshLike",

@@ -68,6 +68,7 @@ using PosesLike = Named<"PosesLike">;
 using FloatArray = Named<"FloatArray">;
 using IdArray = Named<"IdArray">;
 using RecordArray = Named<"RecordArray">;
+using ContactsLike = Named<"ContactsLike">;
 
 /// The argument max_distance, without a limit unless it is given.
 inline auto max_distance_argument() {

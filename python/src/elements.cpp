@@ -1,15 +1,14 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/pair.h>
 
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "arguments.h"
 #include "bindings.h"
+#include "budget.h"
 #include "docstrings.h"
 #include "limber/limber.h"
 #include "records.h"
@@ -17,33 +16,36 @@
 namespace limber::python {
 namespace {
 
-using RecordArrays = std::pair<RecordArray, RecordArray>;
+using ElementPairs = Named<"ElementPairs">;
 
 /// The pairs that search(visitor, visitor) visits, without the GIL.
 template <typename Search>
-RecordArrays found_elements(const Search& search) {
+ElementPairs found_elements(const Search& search) {
   std::vector<VertexFacePair> vertex_face;
   std::vector<EdgeEdgePair> edge_edge;
-  without_gil([&] {
-    search([&](const VertexFacePair& pair) { return vertex_face.push_back(pair), true; },
-           [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), true; });
+  const ElementPairCount count = without_gil([&] {
+    return search([&](const VertexFacePair& pair) { return vertex_face.push_back(pair), true; },
+                  [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), true; });
   });
-  return {array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
-          array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge)};
+  return result("ElementPairs",
+                "vertex_face"_a = array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
+                "edge_edge"_a = array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge),
+                "is_complete"_a = count.is_complete, "stopped_by"_a = count.stopped_by, "stats"_a = count.stats);
 }
 
-RecordArrays element_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,
-                              const PoseLike& pose_b) {
+ElementPairs element_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,
+                              const PoseLike& pose_b, const BudgetObject* budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_elements([&](auto vertex_face, auto edge_edge) {
-    visit_element_pairs(pair.a(), pair.b(), margin, vertex_face, edge_edge);
+    return visit_element_pairs(pair.a(), pair.b(), margin, vertex_face, edge_edge, {budget_of(budget)});
   });
 }
 
-RecordArrays self_element_pairs_of(ModelObject& model, double margin) {
+ElementPairs self_element_pairs_of(ModelObject& model, double margin, const BudgetObject* budget) {
   const Reading guard = reading(model);
-  return found_elements(
-      [&](auto vertex_face, auto edge_edge) { visit_self_element_pairs(model.model, margin, vertex_face, edge_edge); });
+  return found_elements([&](auto vertex_face, auto edge_edge) {
+    return visit_self_element_pairs(model.model, margin, vertex_face, edge_edge, {budget_of(budget)});
+  });
 }
 
 NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
@@ -54,8 +56,7 @@ NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
 std::string element_pairs_documentation(const char* documentation) {
   return std::string(documentation) + R"(
 
-Returns  Two arrays: pairs of a vertex and a face, limber3d.vertex_face_dtype, and pairs of edges,
-         limber3d.edge_edge_dtype.
+Returns  vertex_face, records of limber3d.vertex_face_dtype, and edge_edge, of limber3d.edge_edge_dtype.
 
 Fields of pairs of a vertex and a face)" +
          vertex_face_fields() + "\n\nFields of pairs of edges" + edge_edge_fields();
@@ -76,8 +77,8 @@ void bind_elements(nb::module_& m) {
       .def_prop_ro("triangle_count", &NeighborRings::triangle_count, "Triangles of the mesh.")
       .def_prop_ro("pair_count", &NeighborRings::pair_count, docs::NeighborRings_pair_count);
   m.def("element_pairs", &element_pairs_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        element_pairs_documentation(docs::visit_element_pairs).c_str());
-  m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a,
+        nb::kw_only(), "budget"_a = nb::none(), element_pairs_documentation(docs::visit_element_pairs).c_str());
+  m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a, nb::kw_only(), "budget"_a = nb::none(),
         element_pairs_documentation(docs::visit_self_element_pairs).c_str());
 }
 

@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/pair.h>
 
 #include <cstddef>
 #include <initializer_list>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -21,7 +19,7 @@ namespace limber::python {
 namespace {
 
 using ContactRecord = Named<"numpy.void">;
-using Gradients = std::pair<FloatArray, FloatArray>;  // forces and moments
+using PoseGradients = Named<"PoseGradient">;
 
 ContactRecord contact_between(BodyObject& a, BodyObject& b, const Witness& witness, const PoseLike& pose_a,
                               const PoseLike& pose_b) {
@@ -39,7 +37,7 @@ FloatArray by_contact(const std::vector<Vec3>& vectors, const GivenContacts& giv
 }
 
 template <typename Gradient>
-Gradients pose_gradients(nb::handle contacts, nb::handle center, const Gradient& gradient) {
+PoseGradients pose_gradients(nb::handle contacts, nb::handle center, const Gradient& gradient) {
   const GivenContacts given = contacts_from(contacts);
   const Vec3 about = point_from(center, "center");
   std::vector<Vec3> forces, moments;
@@ -49,7 +47,8 @@ Gradients pose_gradients(nb::handle contacts, nb::handle center, const Gradient&
     moments.push_back(by_pose.moment);
   }
   const nb::tuple axes = nb::make_tuple(3);
-  return {by_contact(forces, given, axes), by_contact(moments, given, axes)};
+  return result("PoseGradient", "force"_a = by_contact(forces, given, axes),
+                "moment"_a = by_contact(moments, given, axes));
 }
 
 template <typename Gradient>
@@ -66,9 +65,9 @@ std::string pose_documentation(const char* model) {
   return std::string("The derivatives of distances by the motion of ") + model + R"(, which turns about `center`.
 
 Center   is nearly always the origin of the model's frame, the translation of its pose, or its center of mass.
-Shape    contacts are an array of limber3d.contact_dtype with any axes, or one of its records.
-Returns  Forces, derivatives by a translation, of length 1; and moments, those by a rotation about the center in radians
-         about each axis. Both have the axes of the contacts and three coordinates, of the world.
+Shape    contacts are those of contacts(), an array of limber3d.contact_dtype with any axes, or one of its records.
+Returns  `force`, the derivatives by a translation, of length 1; and `moment`, those by a rotation about the center in
+         radians about each axis. Both have the axes of the contacts and three coordinates, of the world.
 
 )" + docs::header_gradients;
 }
@@ -77,7 +76,7 @@ std::string vertex_documentation(const char* model) {
   return std::string("The derivatives of distances by the corners of the triangles of ") + model +
          R"(. Those by all other vertices are 0.
 
-Shape    contacts are an array of limber3d.contact_dtype with any axes, or one of its records.
+Shape    contacts are those of contacts(), an array of limber3d.contact_dtype with any axes, or one of its records.
 Returns  An array with the axes of the contacts, three corners, and three coordinates, of the world.
 
 )" + docs::header_gradients;
@@ -92,7 +91,7 @@ void bind_gradients(nb::module_& m) {
   const auto pose_gradient = [&](const char* name, auto gradient, const char* model) {
     m.def(
         name,
-        [gradient](const Named<"RecordArray | numpy.void">& contacts, const ArrayLike& center) {
+        [gradient](const ContactsLike& contacts, const ArrayLike& center) {
           return pose_gradients(contacts, center, gradient);
         },
         "contacts"_a, "center"_a, pose_documentation(model).c_str());
@@ -101,9 +100,8 @@ void bind_gradients(nb::module_& m) {
   pose_gradient("pose_gradient_b", pose_gradient_b, "b");
   const auto vertex_gradient = [&](const char* name, auto gradient, const char* model) {
     m.def(
-        name,
-        [gradient](const Named<"RecordArray | numpy.void">& contacts) { return vertex_gradients(contacts, gradient); },
-        "contacts"_a, vertex_documentation(model).c_str());
+        name, [gradient](const ContactsLike& contacts) { return vertex_gradients(contacts, gradient); }, "contacts"_a,
+        vertex_documentation(model).c_str());
   };
   vertex_gradient("vertex_gradients_a", vertex_gradients_a, "a");
   vertex_gradient("vertex_gradients_b", vertex_gradients_b, "b");

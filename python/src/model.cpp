@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/tuple.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -11,7 +10,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -158,11 +156,12 @@ void bind_stats(nb::module_& m) {
       .field("rebuild_us", &MaintenanceStats::rebuild_us, docs::MaintenanceStats_rebuild_us);
 }
 
-std::tuple<FloatArray, IdArray, IdArray> mesh_file(const std::filesystem::path& path) {
+Named<"MeshFile"> mesh_file(const std::filesystem::path& path) {
   const MeshFile file = value_or_raise(without_gil([&] { return read_mesh_file(path); }));
-  return {array_of(std::span<const Vec3>(file.mesh.positions())),
-          array_of(std::span<const Corners>(file.mesh.triangles())),
-          array_of(std::span<const std::uint32_t>(file.face_of_triangle))};
+  return result("MeshFile", "vertices"_a = array_of(std::span<const Vec3>(file.mesh.positions())),
+                "faces"_a = array_of(std::span<const Corners>(file.mesh.triangles())),
+                "face_of_triangle"_a = array_of(std::span<const std::uint32_t>(file.face_of_triangle)),
+                "face_count"_a = file.face_count);
 }
 
 void open_sequence(MeshSequence* self, const std::filesystem::path& first) {
@@ -174,22 +173,19 @@ FloatArray positions_in(const MeshSequence& self, const std::filesystem::path& p
   return array_of(std::span<const Vec3>(positions));
 }
 
-std::tuple<FloatArray, IdArray, IdArray> weld_of(const MeshArgument& vertices, const ArrayLike& faces) {
+Named<"WeldedMesh"> weld_of(const MeshArgument& vertices, const ArrayLike& faces) {
   const auto [positions, triangles] = mesh_arrays(vertices, faces, "weld");
   std::optional<WeldedMesh> welded;
   with_mesh(positions, triangles, [&](const Mesh& mesh) { welded = weld(mesh); });
-  return {array_of(std::span<const Vec3>(welded->mesh.positions())),
-          array_of(std::span<const Corners>(welded->mesh.triangles())),
-          array_of(std::span<const std::uint32_t>(welded->vertices.welded_of))};
+  return result("WeldedMesh", "vertices"_a = array_of(std::span<const Vec3>(welded->mesh.positions())),
+                "faces"_a = array_of(std::span<const Corners>(welded->mesh.triangles())),
+                "welded_of"_a = array_of(std::span<const std::uint32_t>(welded->vertices.welded_of)),
+                "first_of"_a = array_of(std::span<const std::uint32_t>(welded->vertices.first_of)));
 }
 
 void bind_mesh_files(nb::module_& m) {
-  m.def(
-      "read_mesh_file", &mesh_file, "path"_a,
-      nb::sig("def read_mesh_file(path: str | os.PathLike[str]) -> tuple[FloatArray, IdArray, IdArray]"),
-      (std::string(docs::read_mesh_file) +
-       "\n\nReturns  Vertices (v, 3), triangles (n, 3), and the file's own face, counted from 0, behind each triangle.")
-          .c_str());
+  m.def("read_mesh_file", &mesh_file, "path"_a, nb::sig("def read_mesh_file(path: str | os.PathLike[str]) -> MeshFile"),
+        docs::read_mesh_file);
   nb::class_<MeshSequence>(m, "MeshSequence", docs::MeshSequence)
       .def("__init__", &open_sequence, "first_frame"_a,
            nb::sig("def __init__(self, first_frame: str | os.PathLike[str]) -> None"), docs::MeshSequence_open)
@@ -213,7 +209,6 @@ corners are vertices of their own becomes a surface.
 Mesh     Vertices and faces, or one object that has both, as for a Model.
 Shape    Triangles keep their ids and the order of their corners. Those with two corners in one place name a vertex
          twice. Vertices are numbered in order of first appearance; -0 equals 0.
-Returns  Vertices (v, 3), triangles (n, 3), and for each vertex that was given the one that it has become.
 Raises   As Model.)";
 
 constexpr const char* constructor_doc = R"(A model of a mesh.

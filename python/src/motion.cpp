@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 
 #include <optional>
 #include <span>
@@ -102,51 +101,48 @@ ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, d
   return without_gil_unless(given.needs_gil(), [&] { return self_time_of_impact(use.moving, given.options); });
 }
 
-RecordArray impacts_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
-                       double min_separation, double nearer_part) {
-  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), nullptr);
+/// The pairs that search(visitor) visits, without the GIL, as a result of that class.
+template <typename Pair, typename Search>
+nb::object found_impacts(const char* class_name, nb::handle dtype, const Search& search) {
+  std::vector<Pair> pairs;
+  const PairCount count =
+      without_gil([&] { return search([&](const Pair& pair) { return pairs.push_back(pair), true; }); });
+  return found(class_name, array_of(std::span<const Pair>(pairs), dtype), count);
+}
+
+Named<"Impacts"> impacts_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
+                            double min_separation, double nearer_part, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), budget);
   const auto use_a = a.use(), use_b = b.use();
-  std::vector<Impact> found;
-  without_gil([&] {
-    visit_impacts(
-        use_a.moving, use_b.moving, [&](const Impact& i) { return found.push_back(i), true; }, given.options);
+  return found_impacts<Impact>("Impacts", dtypes().impact, [&](auto visit) {
+    return visit_impacts(use_a.moving, use_b.moving, visit, given.options);
   });
-  return array_of(std::span<const Impact>(found), dtypes().impact);
 }
 
-RecordArray self_impacts_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
-                            double nearer_part) {
-  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), nullptr);
+Named<"Impacts"> self_impacts_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
+                                 double nearer_part, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), budget);
   const auto use = model.use();
-  std::vector<Impact> found;
-  without_gil([&] {
-    visit_self_impacts(
-        use.moving, [&](const Impact& i) { return found.push_back(i), true; }, given.options);
-  });
-  return array_of(std::span<const Impact>(found), dtypes().impact);
+  return found_impacts<Impact>("Impacts", dtypes().impact,
+                               [&](auto visit) { return visit_self_impacts(use.moving, visit, given.options); });
 }
 
-RecordArray impact_candidates_of(MovingModelObject& a, MovingModelObject& b, double max_time, double min_separation) {
-  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), nullptr);
+Named<"ImpactCandidates"> impact_candidates_of(MovingModelObject& a, MovingModelObject& b, double max_time,
+                                               double min_separation, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), budget);
   const auto use_a = a.use(), use_b = b.use();
-  std::vector<ElementPair> found;
-  without_gil([&] {
-    visit_impact_candidates(
-        use_a.moving, use_b.moving, [&](const ElementPair& pair) { return found.push_back(pair), true; },
-        given.options);
+  return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, [&](auto visit) {
+    return visit_impact_candidates(use_a.moving, use_b.moving, visit, given.options);
   });
-  return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
 }
 
-RecordArray self_impact_candidates_of(MovingModelObject& model, double max_time, double min_separation) {
-  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), nullptr);
+Named<"ImpactCandidates"> self_impact_candidates_of(MovingModelObject& model, double max_time, double min_separation,
+                                                    const BudgetObject* budget) {
+  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), budget);
   const auto use = model.use();
-  std::vector<ElementPair> found;
-  without_gil([&] {
-    visit_self_impact_candidates(
-        use.moving, [&](const ElementPair& pair) { return found.push_back(pair), true; }, given.options);
+  return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, [&](auto visit) {
+    return visit_self_impact_candidates(use.moving, visit, given.options);
   });
-  return array_of(std::span<const ElementPair>(found), dtypes().element_pair);
 }
 
 ElementState state_of_pair(MovingModelObject& a, MovingModelObject& b, ElementPair::Kind kind, std::uint32_t id_a,
@@ -180,16 +176,15 @@ FloatArray limit_self_displacements_of(ModelObject& model, double separation, co
   return array_of_numbers(limits);
 }
 
-std::pair<FloatArray, std::optional<FloatArray>> limit_displacements_of(ModelObject& a, ModelObject& b,
-                                                                        double separation, const ArrayLike& of_a,
-                                                                        nb::handle of_b, const PoseLike& pose_a,
-                                                                        const PoseLike& pose_b) {
+Named<"DisplacementLimits"> limit_displacements_of(ModelObject& a, ModelObject& b, double separation,
+                                                   const ArrayLike& of_a, nb::handle of_b, const PoseLike& pose_a,
+                                                   const PoseLike& pose_b) {
   std::vector<double> limits_a = displacements_from(of_a, "of_a"), limits_b;
   if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
   const PlacedPair pair(a, b, pose_a, pose_b);
   without_gil([&] { limit_displacements(pair.a(), pair.b(), separation, limits_a, limits_b); });
-  return {array_of_numbers(limits_a),
-          of_b.is_none() ? std::nullopt : std::optional<FloatArray>(array_of_numbers(limits_b))};
+  const auto allowed_b = of_b.is_none() ? std::nullopt : std::optional<FloatArray>(array_of_numbers(limits_b));
+  return result("DisplacementLimits", "of_a"_a = array_of_numbers(limits_a), "of_b"_a = allowed_b);
 }
 
 // --- rigid bodies ---
@@ -286,24 +281,26 @@ void bind_moving_models(nb::module_& m) {
         first_documentation(docs::self_time_of_impact).c_str());
   const std::string impacts =
       std::string(
-          "All pairs of elements that touch up to max_time, each once, with the first time at which they do: "
-          "an array of limber3d.impact_dtype.") +
+          "All pairs of elements that touch up to max_time, each once, with the first time at which they do.\n\n"
+          "Budget   As intersections().\nReturns  Records of limber3d.impact_dtype.") +
       options_documentation + impact_fields();
   m.def("impacts", &impacts_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, impacts.c_str());
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "budget"_a = nb::none(), impacts.c_str());
   m.def("self_impacts", &self_impacts_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, impacts.c_str());
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "budget"_a = nb::none(), impacts.c_str());
   const std::string candidates = std::string(docs::visit_impact_candidates) +
-                                 "\n\nReturns  An array of limber3d.element_pair_dtype." + element_pair_fields();
+                                 "\nBudget   As intersections().\nReturns  Records of limber3d.element_pair_dtype." +
+                                 element_pair_fields();
   m.def("impact_candidates", &impact_candidates_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "min_separation"_a = 0.0, candidates.c_str());
+        "min_separation"_a = 0.0, "budget"_a = nb::none(), candidates.c_str());
   m.def("self_impact_candidates", &self_impact_candidates_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "min_separation"_a = 0.0, candidates.c_str());
+        "min_separation"_a = 0.0, "budget"_a = nb::none(), candidates.c_str());
   m.def("limit_self_displacements", &limit_self_displacements_of, "model"_a, "separation"_a, "displacements"_a,
         (std::string(docs::limit_self_displacements) + "\n\nReturns  The limits, as a new array.").c_str());
   m.def("limit_displacements", &limit_displacements_of, "a"_a, "b"_a, "separation"_a, "of_a"_a, "of_b"_a = nb::none(),
         "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        (std::string(docs::limit_displacements) + "\n\nReturns  The limits of both, as new arrays.").c_str());
+        (std::string(docs::limit_displacements) + "\n\nReturns  The limits of both, as new arrays of_a and of_b.")
+            .c_str());
 }
 
 void bind_element_states(nb::module_& m) {

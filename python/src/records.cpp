@@ -296,6 +296,11 @@ void bind_records(nb::module_& module) {
   module.attr("path_distance_dtype") = path_distance_dtype();
 }
 
+nb::object found(const char* class_name, const nb::object& records, const PairCount& count) {
+  return result(class_name, "records"_a = records, "is_complete"_a = count.is_complete,
+                "stopped_by"_a = count.stopped_by, "stats"_a = count.stats);
+}
+
 nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape) {
   nb::list sizes;
   for (const std::size_t size : shape) sizes.append(size);

@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "bindings.h"
@@ -114,6 +115,14 @@ std::string vertex_face_fields();
 std::string edge_edge_fields();
 std::string element_pair_fields();
 std::string impact_fields();
+
+/// A result of several members: an object of the class of limber3d.results.
+template <typename... Members>
+nb::object result(const char* class_name, Members&&... members) {
+  return nb::module_::import_("limber3d.results").attr(class_name)(std::forward<Members>(members)...);
+}
+/// A result with records, and what the search for them did.
+nb::object found(const char* class_name, const nb::object& records, const PairCount& count);
 
 /// A new array of that shape and element type, not initialised.
 nb::object new_array(nb::handle dtype, std::initializer_list<std::size_t> shape);

@@ -3,7 +3,7 @@
 #include <nanobind/nanobind.h>
 
 #include <array>
-#include <optional>
+#include <limits>
 #include <span>
 
 #include "arrays.h"
@@ -84,6 +84,8 @@ void bind_answers(nb::module_& m) {
       .field("stopped_by", &CollideResult::stopped_by, docs::CollideResult_stopped_by)
       .field("stats", &CollideResult::stats, docs::QueryStats)
       .binding()
+      .def_prop_ro("is_yes", &CollideResult::is_yes, "Whether the answer is yes.")
+      .def_prop_ro("is_no", &CollideResult::is_no, "Whether the answer is no.")
       .def("__bool__", &truth_of);
 }
 
@@ -103,8 +105,9 @@ void bind_points_found(nb::module_& m) {
       .field("stats", &SignedDistance::stats, docs::QueryStats)
       .binding()
       .def_prop_ro(
-          "distance", [](const SignedDistance& s) { return s.closest ? std::optional(s.distance()) : std::nullopt; },
-          "Negative inside, 0 on the surface. None without a closest point.");
+          "distance",
+          [](const SignedDistance& s) { return s.closest ? s.distance() : std::numeric_limits<double>::infinity(); },
+          "Negative inside, 0 on the surface; infinite without a closest point.");
 }
 
 void bind_shapes(nb::module_& m) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 
 #include <array>
 #include <cstddef>
@@ -123,16 +122,14 @@ std::vector<ObjectPair> object_pairs_from(nb::handle pairs) {
   return asked;
 }
 
-using Offsets = Named<"NDArray[numpy.int64]">;
-
-std::pair<RecordArray, Offsets> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
-                                                  std::optional<OrientedFaces> oriented_faces) {
+Named<"ManyContacts"> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
+                                        std::optional<OrientedFaces> oriented_faces) {
   const std::vector<ObjectPair> asked = object_pairs_from(pairs);
   ObjectContacts found;
   self.read([&](const Scene& scene) { without_gil([&] { scene.contacts(asked, margin, found, {oriented_faces}); }); });
   const std::vector<std::int64_t> offsets(found.offsets.begin(), found.offsets.end());
-  return {array_of(std::span<const Contact>(found.contacts), dtypes().contact),
-          array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()})};
+  return result("ManyContacts", "contacts"_a = array_of(std::span<const Contact>(found.contacts), dtypes().contact),
+                "offsets"_a = array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()}));
 }
 
 /// Asks query(scene, pairs, results, cache) about pairs of objects; its answers as an array of records.
@@ -275,10 +272,7 @@ void bind_scene(nb::module_& m) {
            max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(), "budget"_a = nb::none(),
            docs::Scene_closest_objects)
       .def("contacts", &contacts_of_pairs, "pairs"_a, "margin"_a, nb::kw_only(), "oriented_faces"_a = nb::none(),
-           (std::string(docs::Scene_contacts) +
-            "\n\nReturns  All contacts, pair by pair, limber3d.contact_dtype, and n + 1 offsets: pair i has those from "
-            "offsets[i] to offsets[i + 1].")
-               .c_str())
+           docs::Scene_contacts)
       .def("any_within", &any_within_of, "max_distance"_a, nb::kw_only(), "filter"_a = nb::none(),
            "budget"_a = nb::none(), docs::Scene_any_within)
       .def("candidates", &candidates_of, "model"_a, "margin"_a, "pose"_a = nb::none(), nb::kw_only(),

@@ -4,11 +4,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import limber3d
 import numpy
-import numpy.typing
 import pytest
 from shapes import ball as ball_arrays
 
@@ -16,18 +13,28 @@ NEAR = ([1, 0.2, 0.1, 0], [1.9, 0, 0])
 
 
 def test_intersections_are_pairs_of_ids(ball: limber3d.Model) -> None:
-    pairs = limber3d.intersections(ball, ball, pose_b=NEAR)
+    pairs = limber3d.intersections(ball, ball, pose_b=NEAR).records
     assert pairs.dtype == numpy.uint32 and pairs.shape[1] == 2 and len(pairs) > 10
-    assert limber3d.intersections(ball, ball, pose_b=NEAR, max_count=3).tolist() == pairs[:3].tolist()
-    assert limber3d.intersections(ball, ball, pose_b=NEAR, max_count=0).shape == (0, 2)
-    assert limber3d.intersections(ball, ball, pose_b=([1, 0, 0, 0], [9, 0, 0])).shape == (0, 2)
+    assert limber3d.intersections(ball, ball, pose_b=NEAR, max_count=3).records.tolist() == pairs[:3].tolist()
+    assert limber3d.intersections(ball, ball, pose_b=NEAR, max_count=0).records.shape == (0, 2)
+    assert limber3d.intersections(ball, ball, pose_b=([1, 0, 0, 0], [9, 0, 0])).records.shape == (0, 2)
+
+
+def test_results_say_whether_they_are_all(ball: limber3d.Model) -> None:
+    found = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
+    assert found.is_complete and found.stopped_by is limber3d.StoppedBy.nothing and found.stats.triangle_tests > 0
+    for max_count in (0, 1, len(found)):
+        some = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, max_count=max_count)
+        assert len(some) == max_count and not some.is_complete and some.stopped_by is limber3d.StoppedBy.nothing
+    assert limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, max_count=len(found) + 1).is_complete
+    assert limber3d.closest_pairs(ball, ball, 3, pose_b=NEAR).is_complete
 
 
 def test_contacts_are_records(ball: limber3d.Model) -> None:
-    contacts = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
+    contacts = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR).records
     assert contacts.dtype == limber3d.contact_dtype and 0 < contacts["distance"].max() <= 0.05
     meeting = {(c["triangle_a"], c["triangle_b"]) for c in contacts[contacts["distance"] == 0]}
-    assert meeting == {tuple(pair) for pair in limber3d.intersections(ball, ball, pose_b=NEAR).tolist()}
+    assert meeting == {tuple(pair) for pair in limber3d.intersections(ball, ball, pose_b=NEAR).records.tolist()}
     weights = contacts["weights_a"]
     assert (weights >= 0).all() and numpy.allclose(weights.sum(axis=1), 1)
     corners = ball.vertices[ball.faces[contacts["triangle_a"]]]
@@ -37,20 +44,23 @@ def test_contacts_are_records(ball: limber3d.Model) -> None:
 
 
 def test_pairs_are_the_same_on_all_threads(ball: limber3d.Model) -> None:
-    one_by_one = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
-    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True) == one_by_one).all()
-    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, max_count=4) == one_by_one[:4]).all()
+    one_by_one = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR).records
+    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True).records == one_by_one).all()
+    four = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, max_count=4)
+    assert (four.records == one_by_one[:4]).all() and not four.is_complete
+
     def even(a: int, b: int) -> bool:
         return a % 2 == 0
 
-    some = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, filter=even)
-    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, filter=even) == some).all()
-    pairs = limber3d.intersections(ball, ball, pose_b=NEAR)
-    assert (limber3d.intersections(ball, ball, pose_b=NEAR, is_parallel=True) == pairs).all()
+    some = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, filter=even).records
+    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, filter=even).records == some).all()
+    pairs = limber3d.intersections(ball, ball, pose_b=NEAR).records
+    assert (limber3d.intersections(ball, ball, pose_b=NEAR, is_parallel=True).records == pairs).all()
     model, rings = folded(), limber3d.NeighborRings(folded(), 1)
-    assert (limber3d.self_intersections(model, is_parallel=True) == limber3d.self_intersections(model)).all()
-    own = limber3d.self_contacts(model, 0.3, filter=rings)
-    assert len(own) > 0 and (limber3d.self_contacts(model, 0.3, filter=rings, is_parallel=True) == own).all()
+    pairs = limber3d.self_intersections(model).records
+    assert (limber3d.self_intersections(model, is_parallel=True).records == pairs).all()
+    own = limber3d.self_contacts(model, 0.3, filter=rings).records
+    assert len(own) > 0 and (limber3d.self_contacts(model, 0.3, filter=rings, is_parallel=True).records == own).all()
 
 
 def test_budgets_end_searches(ball: limber3d.Model) -> None:
@@ -59,7 +69,7 @@ def test_budgets_end_searches(ball: limber3d.Model) -> None:
     flag.set()
     model = folded()
 
-    def asked(budget: limber3d.QueryBudget) -> list[tuple[numpy.typing.NDArray[Any], limber3d.StoppedBy]]:
+    def asked(budget: limber3d.QueryBudget | None) -> list[limber3d.Contacts | limber3d.TrianglePairs]:
         return [
             limber3d.intersections(ball, ball, pose_b=NEAR, budget=budget),
             limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, budget=budget),
@@ -69,31 +79,24 @@ def test_budgets_end_searches(ball: limber3d.Model) -> None:
             limber3d.self_closest_pairs(model, 9, budget=budget),
         ]
 
-    whole = [
-        limber3d.intersections(ball, ball, pose_b=NEAR),
-        limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, budget=None),
-        limber3d.closest_pairs(ball, ball, 9, pose_b=NEAR),
-        limber3d.self_intersections(model),
-        limber3d.self_contacts(model, 0.3),
-        limber3d.self_closest_pairs(model, 9, budget=None),
-    ]
-    for (found, stopped_by), all_pairs in zip(asked(enough), whole, strict=True):
-        assert stopped_by is limber3d.StoppedBy.nothing and (found == all_pairs).all() and len(found) > 0
-    for (found, stopped_by), all_pairs in zip(asked(few), whole, strict=True):
-        assert stopped_by is limber3d.StoppedBy.max_steps and len(found) <= len(all_pairs)
-    some, _ = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, budget=limber3d.QueryBudget(max_steps=40))
-    assert 0 < len(some) < len(whole[1]) and all(c in whole[1] for c in some)
+    whole = asked(None)
+    for found, all_pairs in zip(asked(enough), whole, strict=True):
+        assert found.is_complete and found.stopped_by is limber3d.StoppedBy.nothing
+        assert (found.records == all_pairs.records).all() and len(found) > 0
+    for found, all_pairs in zip(asked(few), whole, strict=True):
+        assert found.stopped_by is limber3d.StoppedBy.max_steps and len(found) <= len(all_pairs)
+        assert not found.is_complete
+    some = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, budget=limber3d.QueryBudget(max_steps=40))
+    assert 0 < len(some) < len(whole[1]) and all(c in whole[1].records for c in some)
     assert len({(c["triangle_a"], c["triangle_b"]) for c in some}) == len(some)
-    for found, stopped_by in asked(late):
-        assert stopped_by is limber3d.StoppedBy.deadline and len(found) < 720
-    for _, stopped_by in asked(limber3d.QueryBudget(cancel=flag)):
-        assert stopped_by is limber3d.StoppedBy.cancel
-    first, stopped_by = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, max_count=2, budget=enough)
-    assert len(first) == 2 and stopped_by is limber3d.StoppedBy.nothing
-    none, stopped_by = limber3d.contacts(ball, ball, 0.05, max_count=0, budget=few)
-    assert len(none) == 0 and stopped_by is limber3d.StoppedBy.nothing
+    for found in asked(late):
+        assert found.stopped_by is limber3d.StoppedBy.deadline and len(found) < 720
+    for found in asked(limber3d.QueryBudget(cancel=flag)):
+        assert found.stopped_by is limber3d.StoppedBy.cancel
+    first = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, max_count=2, budget=enough)
+    assert len(first) == 2 and first.stopped_by is limber3d.StoppedBy.nothing
     with pytest.raises(TypeError):
-        limber3d.contacts(ball, ball, 0.05, budget=0.001)  # type: ignore[call-overload]
+        limber3d.contacts(ball, ball, 0.05, budget=0.001)  # type: ignore[arg-type]
 
 
 def test_normals_take_the_side_of_closed_meshes(ball: limber3d.Model) -> None:
@@ -104,7 +107,7 @@ def test_normals_take_the_side_of_closed_meshes(ball: limber3d.Model) -> None:
     wide = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
     assert limber3d.NormalSide.inward in wide["normal_side"]
     with pytest.raises(TypeError):
-        limber3d.contacts(ball, ball, 0.0, oriented_faces="both")  # type: ignore[call-overload]
+        limber3d.contacts(ball, ball, 0.0, oriented_faces="both")  # type: ignore[arg-type]
 
 
 def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
@@ -121,14 +124,18 @@ def test_closest_pairs_come_nearest_first(ball: limber3d.Model) -> None:
 
 def test_reduction_keeps_a_few_and_leaves_its_argument_alone(ball: limber3d.Model) -> None:
     contacts = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
-    before = contacts.copy()
-    kept, patches = limber3d.reduce_contacts(contacts, radius=0.5, max_points=2)
-    assert (contacts == before).all() and 0 < len(kept) < len(contacts) and len(patches) == len(kept)
-    assert kept[0] in contacts and numpy.bincount(patches).max() <= 2
-    assert len(limber3d.reduce_contacts(contacts[:0], radius=0.5)[0]) == 0
-    assert len(limber3d.reduce_contacts(contacts[::2], radius=0.5)[0]) > 0
+    before = contacts.records.copy()
+    kept = limber3d.reduce_contacts(contacts, radius=0.5, max_points=2)
+    assert (contacts.records == before).all() and 0 < len(kept) < len(contacts) and len(kept.patch_ids) == len(kept)
+    assert kept[0] in contacts.records and numpy.bincount(kept.patch_ids).max() <= 2
+    assert (limber3d.reduce_contacts(kept, radius=0.5, max_points=2).records == kept.records).all()
+    assert len(limber3d.reduce_contacts(contacts[:0], radius=0.5)) == 0
+    assert len(limber3d.reduce_contacts(contacts[::2], radius=0.5)) > 0
     with pytest.raises(ValueError, match="radius"):
         limber3d.reduce_contacts(contacts, radius=0.0)
+    before["normal"][3] = 0
+    with pytest.raises(ValueError, match="contact 3 has a normal of length 0"):
+        limber3d.reduce_contacts(before, radius=0.5)
 
 
 def folded() -> limber3d.Model:
@@ -147,7 +154,7 @@ def test_a_model_can_meet_itself(ball: limber3d.Model) -> None:
     )
     assert limber3d.self_distance(model, cache=cache).status is limber3d.DistanceStatus.collision
     assert limber3d.self_distance(ball).upper > 0
-    pairs = limber3d.self_intersections(model)
+    pairs = limber3d.self_intersections(model).records
     assert len(pairs) > 0 and (pairs[:, 0] < pairs[:, 1]).all()
     assert len(limber3d.self_contacts(model, 0.0)) == len(pairs)
     assert limber3d.self_closest_pairs(ball, 3)["distance"][0] == limber3d.self_distance(ball).upper
@@ -159,10 +166,10 @@ def test_rings_of_neighbors_filter_pairs(ball: limber3d.Model) -> None:
     kept = limber3d.self_contacts(ball, 0.3, filter=rings)
     assert 0 < len(kept) < len(near) and rings.triangle_count == 720
     are_far = [not rings.are_near(c["triangle_a"], c["triangle_b"]) for c in near]
-    assert (kept == near[are_far]).all()
+    assert (kept.records == near[are_far]).all()
     assert rings(0, 719) and not rings(5, 5)
     by_function = limber3d.self_contacts(ball, 0.3, filter=lambda a, b: not rings.are_near(a, b))
-    assert (by_function == kept).all()
+    assert (by_function.records == kept.records).all()
     with pytest.raises((ValueError, IndexError)):
         rings.are_near(0, 720)
 
@@ -170,7 +177,7 @@ def test_rings_of_neighbors_filter_pairs(ball: limber3d.Model) -> None:
 def test_functions_filter_pairs_and_their_errors_come_through(ball: limber3d.Model) -> None:
     all_pairs = limber3d.intersections(ball, ball, pose_b=NEAR)
     even = limber3d.intersections(ball, ball, pose_b=NEAR, filter=lambda a, b: a % 2 == 0)
-    assert even.tolist() == [pair for pair in all_pairs.tolist() if pair[0] % 2 == 0]
+    assert even.records.tolist() == [pair for pair in all_pairs.records.tolist() if pair[0] % 2 == 0]
 
     def failing(a: int, b: int) -> bool:
         raise KeyError(a)
@@ -178,7 +185,7 @@ def test_functions_filter_pairs_and_their_errors_come_through(ball: limber3d.Mod
     with pytest.raises(KeyError):
         limber3d.intersections(ball, ball, pose_b=NEAR, filter=failing)
     with pytest.raises(TypeError, match="filter"):
-        limber3d.intersections(ball, ball, filter=3)  # type: ignore[call-overload]
+        limber3d.intersections(ball, ball, filter=3)  # type: ignore[arg-type]
 
     def moving(a: int, b: int) -> bool:
         ball.move_vertices([0], [[0, 0, 0]])
@@ -191,7 +198,9 @@ def test_functions_filter_pairs_and_their_errors_come_through(ball: limber3d.Mod
 
 def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
     pose = ([1, 0, 0, 0], [1.5, 0, 0])
-    vertex_face, edge_edge = limber3d.element_pairs(tetra, tetra, 0.6, pose_b=pose)
+    found = limber3d.element_pairs(tetra, tetra, 0.6, pose_b=pose)
+    assert found.is_complete and found.stopped_by is limber3d.StoppedBy.nothing and found.stats.triangle_tests > 0
+    vertex_face, edge_edge = found.vertex_face, found.edge_edge
     assert vertex_face.dtype == limber3d.vertex_face_dtype and edge_edge.dtype == limber3d.edge_edge_dtype
     assert numpy.allclose(vertex_face["weights"].sum(axis=1), 1) and vertex_face["is_vertex_of_b"].any()
     edges = tetra.edges
@@ -201,5 +210,11 @@ def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
     a, b = tetra.vertices[edges.vertices[pair["a"]]], tetra.vertices[edges.vertices[pair["b"]]] + [1.5, 0, 0]
     points = a[0] + pair["parameter_a"] * (a[1] - a[0]), b[0] + pair["parameter_b"] * (b[1] - b[0])
     assert numpy.linalg.norm(points[0] - points[1]) == pytest.approx(pair["distance"])
-    vertex_face, edge_edge = limber3d.self_element_pairs(tetra, 2.0)
-    assert len(vertex_face) == 4 and len(edge_edge) == 3
+    own = limber3d.self_element_pairs(tetra, 2.0)
+    assert len(own.vertex_face) == 4 and len(own.edge_edge) == 3
+    budget = limber3d.QueryBudget(max_steps=0)
+    for none in (
+        limber3d.element_pairs(tetra, tetra, 0.6, budget=budget),
+        limber3d.self_element_pairs(tetra, 2.0, budget=budget),
+    ):
+        assert not none.is_complete and none.stopped_by is limber3d.StoppedBy.max_steps and len(none.edge_edge) == 0

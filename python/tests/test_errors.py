@@ -121,12 +121,12 @@ def test_a_model_that_was_not_initialized_is_a_type_error() -> None:
 
 
 def test_contacts_to_reduce_are_checked() -> None:
-    contacts = limber3d.contacts(model(), model(), 0.1)
-    kept, patches = limber3d.reduce_contacts(contacts, radius=0.5)
+    contacts = limber3d.contacts(model(), model(), 0.1).records
+    kept = limber3d.reduce_contacts(contacts, radius=0.5)
     # NumPy packs what it concatenates: the same fields at other places.
     packed = numpy.concatenate([contacts[:1], contacts[1:]])
     assert packed.dtype != limber3d.contact_dtype
-    assert (limber3d.reduce_contacts(packed, radius=0.5)[0] == kept).all()
+    assert (limber3d.reduce_contacts(packed, radius=0.5).records == kept.records).all()
     for bad in (numpy.zeros(3), "contacts", contacts[None], numpy.zeros(2, limber3d.distance_dtype)):
         with pytest.raises(ValueError, match="^contacts: expected shape"):
             limber3d.reduce_contacts(bad, radius=0.5)  # type: ignore[arg-type]

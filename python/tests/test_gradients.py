@@ -37,9 +37,9 @@ def test_gradients_are_slopes_of_distances(tetra: limber3d.Model, ball: limber3d
         assert contact.dtype == limber3d.contact_dtype and contact["distance"] == near.upper
         assert contact["triangle_a"] == near.witness.triangle_a and contact["triangle_b"] == near.witness.triangle_b
         center_a, center_b = numpy.array([0.3, -0.2, 0.1]), pose_b[:3, 3]
-        force_a, moment_a = limber3d.pose_gradient_a(contact, center_a)
-        force_b, moment_b = limber3d.pose_gradient_b(contact, center_b)
-        assert force_a.shape == moment_b.shape == (3,) and (force_a == -force_b).all()
+        by_a = limber3d.pose_gradient_a(contact, center_a)
+        by_b = limber3d.pose_gradient_b(contact, center_b)
+        assert by_a.force.shape == by_b.moment.shape == (3,) and (by_a.force == -by_b.force).all()
         for axis in range(3):
             by = numpy.zeros((4, 4))
             by[axis, 3] = 1
@@ -50,11 +50,11 @@ def test_gradients_are_slopes_of_distances(tetra: limber3d.Model, ball: limber3d
             def of_b(pose: Any) -> float:
                 return limber3d.distance(tetra, ball, pose_a, pose).upper
 
-            assert slope(lambda t: of_a(pose_a + t * by)) == pytest.approx(force_a[axis], abs=1e-4)
-            assert slope(lambda t: of_b(pose_b + t * by)) == pytest.approx(force_b[axis], abs=1e-4)
+            assert slope(lambda t: of_a(pose_a + t * by)) == pytest.approx(by_a.force[axis], abs=1e-4)
+            assert slope(lambda t: of_b(pose_b + t * by)) == pytest.approx(by_b.force[axis], abs=1e-4)
             of_a_turned = slope(lambda t: of_a(turned(pose_a, axis, center_a, t)))
             of_b_turned = slope(lambda t: of_b(turned(pose_b, axis, center_b, t)))
-            assert (of_a_turned, of_b_turned) == pytest.approx((moment_a[axis], moment_b[axis]), abs=1e-4)
+            assert (of_a_turned, of_b_turned) == pytest.approx((by_a.moment[axis], by_b.moment[axis]), abs=1e-4)
         checked += 1
     assert checked > 5
 
@@ -84,24 +84,27 @@ def test_gradients_by_vertices_are_slopes_too(tetra: limber3d.Model, ball: limbe
 
 
 def test_arrays_of_contacts_give_arrays_of_gradients(ball: limber3d.Model) -> None:
-    contacts = limber3d.contacts(ball, ball, 0.05, pose_b=([1, 0.2, 0.1, 0], [1.9, 0, 0]))[:24]
-    forces, moments = limber3d.pose_gradient_b(contacts, [1.9, 0, 0])
+    found = limber3d.contacts(ball, ball, 0.05, pose_b=([1, 0.2, 0.1, 0], [1.9, 0, 0]))
+    contacts = found.records[:24]
+    by_b = limber3d.pose_gradient_b(contacts, [1.9, 0, 0])
     corners = limber3d.vertex_gradients_a(contacts)
-    assert forces.shape == moments.shape == (24, 3) and corners.shape == (24, 3, 3)
-    assert (forces == contacts["normal"]).all()
-    assert (moments == numpy.cross(contacts["point_b"] - [1.9, 0, 0], contacts["normal"])).all()
+    assert (limber3d.vertex_gradients_a(found)[:24] == corners).all()
+    assert (limber3d.pose_gradient_b(found, [1.9, 0, 0]).force[:24] == by_b.force).all()
+    assert by_b.force.shape == by_b.moment.shape == (24, 3) and corners.shape == (24, 3, 3)
+    assert (by_b.force == contacts["normal"]).all()
+    assert (by_b.moment == numpy.cross(contacts["point_b"] - [1.9, 0, 0], contacts["normal"])).all()
     assert (corners == -contacts["weights_a"][:, :, None] * contacts["normal"][:, None]).all()
     assert (limber3d.vertex_gradients_b(contacts[3]) == limber3d.vertex_gradients_b(contacts)[3]).all()
     folded = contacts.reshape(2, 12)[:, ::2]
-    assert (limber3d.pose_gradient_a(folded, [0, 0, 0])[1].reshape(12, 3)
-            == limber3d.pose_gradient_a(contacts[::2], [0, 0, 0])[1]).all()
+    of_folded, of_every_other = (limber3d.pose_gradient_a(some, [0, 0, 0]) for some in (folded, contacts[::2]))
+    assert (of_folded.moment.reshape(12, 3) == of_every_other.moment).all()
     assert limber3d.vertex_gradients_b(contacts[:0]).shape == (0, 3, 3)
     # Fields are read by name: a later version may have more, in another order.
     names = contacts.dtype.names or ()
     later = numpy.zeros(24, [("new", "f8"), *((name, contacts.dtype[name]) for name in reversed(names))])
     for name in names:
         later[name] = contacts[name]
-    assert (limber3d.pose_gradient_b(later, [1.9, 0, 0])[1] == moments).all()
+    assert (limber3d.pose_gradient_b(later, [1.9, 0, 0]).moment == by_b.moment).all()
     with pytest.raises(ValueError, match="fields of contact_dtype"):
         limber3d.pose_gradient_b(later[["new", "normal"]], [1.9, 0, 0])
 

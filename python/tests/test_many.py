@@ -55,14 +55,15 @@ def test_contacts_of_many_poses_are_those_of_single_calls(ball: limber3d.Model) 
     poses = random_poses(4, 200)
     rings = limber3d.NeighborRings(ball, 1)
     for filter in (None, rings):
-        contacts, offsets = limber3d.contacts_many(ball, ball, 0.1, poses, filter=filter)
-        assert contacts.dtype == limber3d.contact_dtype and offsets.dtype == numpy.int64
-        assert offsets.shape == (201,) and offsets[-1] == len(contacts) > 0
-        for i, pose in enumerate(poses):
+        found = limber3d.contacts_many(ball, ball, 0.1, poses, filter=filter)
+        assert found.contacts.dtype == limber3d.contact_dtype and found.offsets.dtype == numpy.int64
+        assert found.offsets.shape == (201,) and found.offsets[-1] == len(found.contacts) > 0
+        for contacts, pose in zip(found, poses, strict=True):
             single = limber3d.contacts(ball, ball, 0.1, pose, filter=filter)
-            assert (contacts[offsets[i] : offsets[i + 1]] == single).all() and offsets[i + 1] - offsets[i] == len(
-                single
-            )
+            assert (contacts == single.records).all() and len(contacts) == len(single)
+        assert (found[-1] == found[199]).all()
+        with pytest.raises(IndexError):
+            found[200]
 
 
 def test_all_forms_of_poses_are_taken(ball: limber3d.Model, tetra: limber3d.Model) -> None:
@@ -90,8 +91,8 @@ def test_all_forms_of_poses_are_taken(ball: limber3d.Model, tetra: limber3d.Mode
     assert limber3d.distance_many(ball, tetra, (turns[0], shifts[0])).shape == (1,)
     assert limber3d.distance_many(ball, tetra).shape == (1,)
     assert limber3d.distance_many(ball, tetra, poses[:0]).shape == (0,)
-    contacts, offsets = limber3d.contacts_many(ball, tetra, 0.1, poses[:0])
-    assert len(contacts) == 0 and offsets.tolist() == [0]
+    none = limber3d.contacts_many(ball, tetra, 0.1, poses[:0])
+    assert len(none) == len(none.contacts) == 0 and none.offsets.tolist() == [0]
 
 
 def test_bad_poses_are_named_by_their_index(ball: limber3d.Model) -> None:
@@ -173,8 +174,8 @@ def test_interruption_keeps_contacts_and_frames(ball: limber3d.Model, monkeypatc
     monkeypatch.setattr(limber3d.many, "_parts", first_part_only)
     with pytest.raises(limber3d.BatchInterrupted) as interrupted:
         limber3d.contacts_many(ball, ball, 0.1, random_poses(4, 200))
-    contacts, offsets = interrupted.value.results
-    assert interrupted.value.count == len(offsets) - 1 == 16 and offsets[-1] == len(contacts)
+    found = interrupted.value.results
+    assert interrupted.value.count == len(found) == 16 and found.offsets[-1] == len(found.contacts)
 
 
 def test_progress_is_told_to_tqdm_if_there_is_one(ball: limber3d.Model, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -52,7 +52,7 @@ def test_reset_takes_another_mesh(tetra: limber3d.Model) -> None:
     with pytest.raises(IndexError):
         tetra.reset(vertices, faces + 1000)
     assert (tetra.faces == faces).all()
-    assert limber3d.element_pairs(tetra, tetra, 0.0)[0].size > 0
+    assert limber3d.element_pairs(tetra, tetra, 0.0).vertex_face.size > 0
 
 
 def test_options_are_keywords_and_come_back() -> None:
@@ -172,9 +172,11 @@ def tie(organ: Organ) -> bool:
 
 def test_weld_makes_a_surface_of_a_soup(ball: limber3d.Model) -> None:
     corners = ball.vertices[ball.faces].reshape(-1, 3)
-    vertices, faces, welded_of = limber3d.weld(corners, numpy.arange(len(corners)).reshape(-1, 3))
-    assert len(vertices) == len(ball.vertices) and faces.shape == ball.faces.shape
-    assert (vertices[welded_of] == corners).all() and (vertices[faces] == ball.vertices[ball.faces]).all()
-    assert (limber3d.weld(ball)[1] == limber3d.weld(ball.vertices, ball.faces)[1]).all()
+    welded = limber3d.weld(corners, numpy.arange(len(corners)).reshape(-1, 3))
+    assert len(welded.vertices) == len(ball.vertices) and welded.faces.shape == ball.faces.shape
+    assert (welded.vertices[welded.welded_of] == corners).all() and (corners[welded.first_of] == welded.vertices).all()
+    assert (welded.vertices[welded.faces] == ball.vertices[ball.faces]).all()
+    assert (limber3d.weld(ball).faces == limber3d.weld(ball.vertices, ball.faces).faces).all()
+    assert limber3d.ClosedSurface(limber3d.Model(welded)).contains([0, 0, 0])
     with pytest.raises(TypeError, match="weld: expected vertices and faces"):
         limber3d.weld(corners)

@@ -68,15 +68,24 @@ def test_filters_get_kinds_and_ids(ball: limber3d.Model, plate: limber3d.Model) 
 def test_impacts_are_records(ball: limber3d.Model, plate: limber3d.Model) -> None:
     moving, floor = falling(ball, 3, -1), still(plate)
     impacts = limber3d.impacts(moving, floor)
-    assert impacts.dtype == limber3d.impact_dtype and (impacts["lower"] <= impacts["upper"]).all()
+    assert impacts.records.dtype == limber3d.impact_dtype and (impacts["lower"] <= impacts["upper"]).all()
     first = limber3d.time_of_impact(moving, floor)
     assert impacts["lower"].min() <= first.upper and impacts["upper"].min() >= first.lower
     # Each vertex of the ball goes through the plate once.
     assert len(impacts[impacts["kind"] == Kind.vertex_face]) >= len(ball.vertices)
     candidates = limber3d.impact_candidates(moving, floor)
-    assert candidates.dtype == limber3d.element_pair_dtype
-    pairs = {tuple(pair) for pair in candidates.tolist()}
+    assert candidates.records.dtype == limber3d.element_pair_dtype
+    pairs = {tuple(pair) for pair in candidates.records.tolist()}
     assert {tuple(pair) for pair in impacts[["kind", "a", "b"]].tolist()} <= pairs
+    assert impacts.is_complete and candidates.is_complete and candidates.stats.node_tests > 0
+    spent = limber3d.QueryBudget(max_steps=0)
+    for stopped in (
+        limber3d.impacts(moving, floor, budget=spent),
+        limber3d.impact_candidates(moving, floor, budget=spent),
+        limber3d.self_impacts(moving, budget=spent),
+        limber3d.self_impact_candidates(moving, budget=spent),
+    ):
+        assert len(stopped) == 0 and not stopped.is_complete and stopped.stopped_by is limber3d.StoppedBy.max_steps
 
 
 def test_a_state_says_how_elements_lie(ball: limber3d.Model, plate: limber3d.Model) -> None:
@@ -142,10 +151,10 @@ def test_a_moving_model_keeps_its_model() -> None:
 
 def test_displacements_are_limited(plate: limber3d.Model) -> None:
     above = ([1, 0, 0, 0], [0, 0, 1])
-    low, high = limber3d.limit_displacements(plate, plate, 0.5, [2.0] * 4, [0.125] * 4, pose_b=above)
-    assert low == pytest.approx(0.375) and high is not None and high == pytest.approx(0.125)
-    alone, none = limber3d.limit_displacements(plate, plate, 0.5, numpy.full(4, 2, numpy.float32), pose_b=above)
-    assert alone == pytest.approx(0.5) and none is None
+    both = limber3d.limit_displacements(plate, plate, 0.5, [2.0] * 4, [0.125] * 4, pose_b=above)
+    assert both.of_a == pytest.approx(0.375) and both.of_b == pytest.approx(0.125)
+    alone = limber3d.limit_displacements(plate, plate, 0.5, numpy.full(4, 2, numpy.float32), pose_b=above)
+    assert alone.of_a == pytest.approx(0.5) and alone.of_b is None
     assert limber3d.limit_self_displacements(plate, 0.0, [0.5] * 4) == pytest.approx(0.5)
     for wrong in ([1.0] * 3, [-1.0] * 4, [[1.0] * 4], [float("nan")] * 4):
         with pytest.raises(ValueError):

@@ -53,8 +53,10 @@ def test_closed_surfaces_tell_inside_from_outside(ball: limber3d.Model) -> None:
     assert surface.winding_number([0, 0, 1]) is None
     on_it = surface.signed_distances(ball.vertices)["distance"]
     assert (on_it == 0).all() and not numpy.signbit(on_it).any()
-    assert math.copysign(1, surface.signed_distance([0, 0, 1]).distance or 0.0) == 1
-    assert surface.signed_distance([9, 0, 0], max_distance=1.0).distance is None
+    assert math.copysign(1, surface.signed_distance([0, 0, 1]).distance) == 1
+    beyond = surface.signed_distance([9, 0, 0], max_distance=1.0)
+    assert beyond.distance == math.inf and beyond.closest is None and not beyond.is_inside
+    assert surface.signed_distance([0, 0, 0], max_distance=0.5).distance == math.inf
     assert surface.contains([5, 0, 0], ([1, 0, 0, 0], [5, 0, 0])) and surface.model is ball
 
 

@@ -42,6 +42,7 @@ def test_options_of_a_distance_are_keywords(ball: limber3d.Model) -> None:
 def test_collisions_and_pairs_within_are_true_or_false(tetra: limber3d.Model) -> None:
     hit, apart = limber3d.collide(tetra, tetra), limber3d.collide(tetra, tetra, pose_b=FAR)
     assert hit and hit.answer is limber3d.Answer.yes and hit.witness is not None and not apart and apart.witness is None
+    assert hit.is_yes and not hit.is_no and apart.is_no and not apart.is_yes
     assert (hit.witness.point_a == hit.witness.point_b).all()
     assert limber3d.within(tetra, tetra, 2.0, pose_b=FAR) and not limber3d.within(tetra, tetra, 1.99, pose_b=FAR)
 
@@ -137,6 +138,7 @@ def test_a_flag_cancels_queries(ball: limber3d.Model) -> None:
     flag.set()
     cancelled = limber3d.collide(ball, ball, pose_b=([1, 0.2, 0.1, 0], [1.9, 0, 0]), budget=budget)
     assert cancelled.answer is limber3d.Answer.unknown and cancelled.stopped_by is limber3d.StoppedBy.cancel
+    assert not cancelled.is_yes and not cancelled.is_no
     with pytest.raises(RuntimeError, match="before there was an answer"):
         bool(cancelled)
     holders = sys.getrefcount(flag)

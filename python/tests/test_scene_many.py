@@ -164,13 +164,13 @@ def test_the_first_impact_of_a_moving_body(scene: limber3d.Scene, tetra: limber3
 
 def test_contacts_of_pairs_are_those_of_two_models(scene: limber3d.Scene) -> None:
     pairs = scene.candidate_pairs(0.3)
-    contacts, offsets = scene.contacts(pairs, 0.3)
-    assert contacts.dtype == limber3d.contact_dtype and offsets.dtype == numpy.int64
-    assert offsets[-1] == len(contacts) > 0
+    found = scene.contacts(pairs, 0.3)
+    assert found.contacts.dtype == limber3d.contact_dtype and found.offsets.dtype == numpy.int64
+    assert found.offsets[-1] == len(found.contacts) > 0 and len(found) == len(pairs)
     for i, (a, b) in enumerate(pairs.tolist()):
         single = limber3d.contacts(scene.model(a), scene.model(b), 0.3, scene.pose(a), scene.pose(b))
-        assert (contacts[offsets[i] : offsets[i + 1]] == single).all()
-    assert scene.contacts(numpy.zeros((0, 2), int), 0.1)[1].tolist() == [0]
+        assert (found[i] == single.records).all()
+    assert scene.contacts(numpy.zeros((0, 2), int), 0.1).offsets.tolist() == [0]
 
 
 def test_budgets_leave_answers_open(scene: limber3d.Scene, ball: limber3d.Model) -> None:

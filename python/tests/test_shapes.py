@@ -104,7 +104,7 @@ def test_models_have_a_radius_and_follow_their_model(ball: limber3d.Model) -> No
     one, two = scene.add(padded), scene.add(probe, far)
     scene.commit()
     assert scene.model(one) is padded and scene.closest_objects().result.upper == pytest.approx(1.25)
-    contacts, _ = scene.contacts([[one, two]], 1.25 + 1e-9)
+    (contacts,) = scene.contacts([[one, two]], 1.25 + 1e-9)
     assert len(contacts) > 0 and contacts["distance"].min() == pytest.approx(1.25)
     model.move_all(2 * ball.vertices)
     with pytest.raises(ValueError, match="commit"):
