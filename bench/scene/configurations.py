@@ -71,7 +71,7 @@ class Fcl:
         return least
 
 
-def loop(scene: limber3d.Scene, poses: numpy.ndarray, filter: object) -> list[limber3d.ClosestObjects]:
+def loop(scene: limber3d.Scene, poses: numpy.ndarray, filter: object) -> list[limber3d.ClosestObjectsResult]:
     """The closest objects of each configuration, one call after the other."""
     ids, found = numpy.arange(len(scene)), []
     for of_links in poses:

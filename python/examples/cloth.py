@@ -77,7 +77,7 @@ def simulated(squares: int, frames: int, body: limber3d.Model, steps: int = 4) -
                     shift = across * (0.5 * (1 - length / now))[:, None]
                     positions[a] += shift
                     positions[b] -= shift
-            near = surface.signed_distances(positions, max_distance=0.1)
+            near = surface.signed_distance_many(positions, max_distance=0.1)
             close = numpy.isfinite(near["distance"]) & (near["distance"] < THICKNESS)
             outward = positions[close] - near["position"][close]
             depth = near["distance"][close]

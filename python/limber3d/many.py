@@ -223,7 +223,7 @@ def time_of_impact_many(
     return _records(batch, _core.path_impact_dtype, progress, ask)
 
 
-def least_distance_many(
+def min_distance_many(
     a: _core.Body,
     b: _core.Body,
     starts_a: PosesLike = None,
@@ -238,12 +238,12 @@ def least_distance_many(
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
-    """least_distance() for many motions: an array of records, limber3d.path_distance_dtype. Everything else is as
+    """min_distance() for many motions: an array of records, limber3d.path_distance_dtype. Everything else is as
     time_of_impact_many() says."""
     batch = _core.MotionBatch(a, b, starts_a, ends_a, starts_b, ends_b, center_a, center_b, threads)
 
     def ask(records: RecordArray, begin: int, end: int) -> None:
-        batch.least_distance(records, begin, end, max_time, distance_error)
+        batch.min_distance(records, begin, end, max_time, distance_error)
 
     return _records(batch, _core.path_distance_dtype, progress, ask)
 

@@ -74,12 +74,12 @@ class ClosedSurfaceObject {
     return answers;
   }
 
-  RecordArray signed_distances(const ArrayLike& points, const PoseLike& pose, double max_distance) {
+  RecordArray signed_distance_many(const ArrayLike& points, const PoseLike& pose, double max_distance) {
     const Reading guard = reading(model_);
     const std::vector<Vec3> asked = points_from(points, "points");
     const Transform placed = pose_from(pose, "pose");
     std::vector<SignedDistance> results(asked.size());
-    without_gil([&] { surface_.signed_distances(asked, results, placed, {max_distance}); });
+    without_gil([&] { surface_.signed_distance_many(asked, results, placed, {max_distance}); });
     return recorded(results, dtypes().signed_distance);
   }
 

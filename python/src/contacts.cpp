@@ -43,7 +43,7 @@ using ReducedContacts = Named<"ReducedContacts">;
 struct Wanted {
   std::optional<OrientedFaces> oriented_faces;
   std::optional<std::size_t> max_count;
-  bool is_parallel;
+  bool parallel;
 };
 
 /// Keeps the pairs that search(visitor, options) visits, at most max_count of them; returns what the search did. Ctrl-C
@@ -62,7 +62,7 @@ PairCount collect(std::vector<Pair>& pairs, nb::handle filter, const Wanted& wan
   const PairOptions options{.filter = which.get(),
                             .oriented_faces = wanted.oriented_faces,
                             .budget = budget_of(budget),
-                            .is_parallel = wanted.is_parallel && !which.needs_gil()};
+                            .parallel = wanted.parallel && !which.needs_gil()};
   return without_gil_unless(which.needs_gil(), [&] { return search(keep, options); });
 }
 
@@ -96,19 +96,19 @@ Contacts found_closest(nb::handle filter, double max_distance, std::optional<Ori
 }
 
 TrianglePairs intersections_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
-                               const TriangleFilter& filter, std::optional<std::size_t> max_count, bool is_parallel,
+                               const TriangleFilter& filter, std::optional<std::size_t> max_count, bool parallel,
                                const BudgetObject* budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_pairs(
-      filter, {std::nullopt, max_count, is_parallel}, budget,
+      filter, {std::nullopt, max_count, parallel}, budget,
       [&](auto visit, const PairOptions& options) { return visit_intersections(pair.a(), pair.b(), visit, options); });
 }
 
 Contacts contacts_of(BodyObject& a, BodyObject& b, double margin, const PoseLike& pose_a, const PoseLike& pose_b,
                      const TriangleFilter& filter, std::optional<std::size_t> max_count,
-                     std::optional<OrientedFaces> oriented_faces, bool is_parallel, const BudgetObject* budget) {
+                     std::optional<OrientedFaces> oriented_faces, bool parallel, const BudgetObject* budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_contacts(filter, {oriented_faces, max_count, is_parallel}, budget,
+  return found_contacts(filter, {oriented_faces, max_count, parallel}, budget,
                         [&](auto visit, const PairOptions& options) {
                           return visit_contacts(pair.a(), pair.b(), margin, visit, options);
                         });
@@ -158,20 +158,20 @@ DistanceResult self_distance_of(ModelObject& model, double relative_error, doubl
 }
 
 TrianglePairs self_intersections_of(ModelObject& model, const TriangleFilter& filter,
-                                    std::optional<std::size_t> max_count, bool is_parallel,
+                                    std::optional<std::size_t> max_count, bool parallel,
                                     const BudgetObject* budget) {
   const Reading guard = reading(model);
   return found_pairs(
-      filter, {std::nullopt, max_count, is_parallel}, budget,
+      filter, {std::nullopt, max_count, parallel}, budget,
       [&](auto visit, const PairOptions& options) { return visit_self_intersections(model.model, visit, options); });
 }
 
 Contacts self_contacts_of(ModelObject& model, double margin, const TriangleFilter& filter,
                           std::optional<std::size_t> max_count, std::optional<OrientedFaces> oriented_faces,
-                          bool is_parallel, const BudgetObject* budget) {
+                          bool parallel, const BudgetObject* budget) {
   const Reading guard = reading(model);
   return found_contacts(
-      filter, {oriented_faces, max_count, is_parallel}, budget,
+      filter, {oriented_faces, max_count, parallel}, budget,
       [&](auto visit, const PairOptions& options) { return visit_self_contacts(model.model, margin, visit, options); });
 }
 
@@ -193,7 +193,7 @@ Ctrl-C   Ends the search with KeyboardInterrupt.)";
 const std::string faces_note = std::string("\nFaces    oriented_faces: ") + docs::PairOptions_oriented_faces;
 
 constexpr const char* parallel_note = R"(
-Parallel With is_parallel the search is on all threads: for large models with many pairs. Pairs and their order stay the
+Parallel With parallel the search is on all threads: for large models with many pairs. Pairs and their order stay the
          same. All are found before max_count counts. With a function as the filter, or a budget, it stays on one
          thread.)";
 
@@ -224,10 +224,10 @@ void bind_self_queries(nb::module_& m) {
         "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(),
         docs::self_distance);
   m.def("self_intersections", &self_intersections_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(), "is_parallel"_a = false, "budget"_a = nb::none(),
+        "max_count"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
         pairs_documentation(docs::visit_self_intersections).c_str());
   m.def("self_contacts", &self_contacts_of, "model"_a, "margin"_a, nb::kw_only(), "filter"_a = nb::none(),
-        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "is_parallel"_a = false, "budget"_a = nb::none(),
+        "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
         contacts_documentation(docs::visit_self_contacts).c_str());
   m.def("self_closest_pairs", &self_closest_pairs_of, "model"_a, "count"_a, nb::kw_only(), max_distance_argument(),
         "filter"_a = nb::none(), "oriented_faces"_a = nb::none(), "budget"_a = nb::none(),
@@ -239,11 +239,11 @@ void bind_self_queries(nb::module_& m) {
 void bind_contacts(nb::module_& m) {
   main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
   m.def("intersections", &intersections_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "is_parallel"_a = false,
+        nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "parallel"_a = false,
         "budget"_a = nb::none(), pairs_documentation(docs::visit_intersections).c_str());
   m.def("contacts", &contacts_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "oriented_faces"_a = nb::none(),
-        "is_parallel"_a = false, "budget"_a = nb::none(), contacts_documentation(docs::visit_contacts).c_str());
+        "parallel"_a = false, "budget"_a = nb::none(), contacts_documentation(docs::visit_contacts).c_str());
   m.def("closest_pairs", &closest_pairs_of, "a"_a, "b"_a, "count"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), max_distance_argument(), "filter"_a = nb::none(), "oriented_faces"_a = nb::none(),
         "budget"_a = nb::none(), closest_documentation(docs::closest_pairs).c_str());

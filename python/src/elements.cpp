@@ -68,10 +68,10 @@ void bind_elements(nb::module_& m) {
   nb::class_<NeighborRings>(m, "NeighborRings", docs::NeighborRings)
       .def(
           "__init__",
-          [](NeighborRings* self, ModelObject& model, std::uint32_t edges) {
-            new (self) NeighborRings(rings_of(model, edges));
+          [](NeighborRings* self, ModelObject& model, std::uint32_t max_edges) {
+            new (self) NeighborRings(rings_of(model, max_edges));
           },
-          "model"_a, "edges"_a, docs::NeighborRings_init)
+          "model"_a, "max_edges"_a, docs::NeighborRings_init)
       .def("are_near", &NeighborRings::are_near, "a"_a, "b"_a, docs::NeighborRings_are_near)
       .def("__call__", &NeighborRings::operator(), "a"_a, "b"_a, docs::NeighborRings_operator)
       .def_prop_ro("triangle_count", &NeighborRings::triangle_count, "Triangles of the mesh.")

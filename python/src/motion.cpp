@@ -83,20 +83,20 @@ struct ImpactArguments {
 };
 
 ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
-                               double min_separation, double nearer_part, bool ignores_crossings, bool any_contact,
+                               double min_separation, double nearer_part, bool ignore_crossings, bool any_contact,
                                nb::handle filter, const BudgetObject* budget) {
   ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, budget);
-  given.options.ignores_crossings = ignores_crossings, given.options.any_contact = any_contact;
+  given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use_a = a.use(), use_b = b.use();
   return without_gil_unless(given.needs_gil(),
                             [&] { return time_of_impact(use_a.moving, use_b.moving, given.options); });
 }
 
 ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
-                                    double nearer_part, bool ignores_crossings, bool any_contact, nb::handle filter,
+                                    double nearer_part, bool ignore_crossings, bool any_contact, nb::handle filter,
                                     const BudgetObject* budget) {
   ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, budget);
-  given.options.ignores_crossings = ignores_crossings, given.options.any_contact = any_contact;
+  given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use = model.use();
   return without_gil_unless(given.needs_gil(), [&] { return self_time_of_impact(use.moving, given.options); });
 }
@@ -204,7 +204,7 @@ PathDistance least_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyO
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
   const PathOptions options{max_time, 0, distance_error, used.get(), budget_of(budget)};
-  return without_gil([&] { return least_distance(a.body(), motion_a, b.body(), motion_b, options); });
+  return without_gil([&] { return min_distance(a.body(), motion_a, b.body(), motion_b, options); });
 }
 
 FloatArray matrix_at(const RigidMotion& motion, double time) {
@@ -240,7 +240,7 @@ void bind_values(nb::module_& m) {
       .field("time", &PathImpact::time, docs::PathImpact_time)
       .field("witness", &PathImpact::witness, docs::PathImpact_witness)
       .field("normal", &PathImpact::normal, docs::PathImpact_normal)
-      .field("distances", &PathImpact::distances, docs::PathImpact_distances)
+      .field("distance_count", &PathImpact::distance_count, docs::PathImpact_distance_count)
       .field("stopped_by", &PathImpact::stopped_by, "Which limit of its budget has ended the query.")
       .field("stats", &PathImpact::stats, docs::QueryStats);
   ValueClass<PathDistance>(m, "PathDistance", docs::PathDistance)
@@ -248,7 +248,7 @@ void bind_values(nb::module_& m) {
       .field("upper", &PathDistance::upper, docs::PathDistance_upper)
       .field("time", &PathDistance::time, "When they are so near.")
       .field("witness", &PathDistance::witness, docs::PathDistance_witness)
-      .field("distances", &PathDistance::distances, docs::PathDistance_distances)
+      .field("distance_count", &PathDistance::distance_count, docs::PathDistance_distance_count)
       .field("stopped_by", &PathDistance::stopped_by, "Which limit of its budget has ended the query.")
       .field("stats", &PathDistance::stats, docs::QueryStats);
 }
@@ -271,12 +271,12 @@ void bind_moving_models(nb::module_& m) {
       .def("set_motion", &MovingModelObject::set_motion, "end_positions"_a, "start_pose"_a = nb::none(),
            "end_pose"_a = nb::none(), docs::MovingModel_set_motion);
   m.def("time_of_impact", &time_of_impact_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignores_crossings"_a = false, "any_contact"_a = false,
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignore_crossings"_a = false, "any_contact"_a = false,
         "filter"_a = nb::none(), "budget"_a = nb::none(),
         first_documentation("The first time at which two moving models touch; or two rigid bodies on their way.")
             .c_str());
   m.def("self_time_of_impact", &self_time_of_impact_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "time_error"_a = 0.0, "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignores_crossings"_a = false,
+        "time_error"_a = 0.0, "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignore_crossings"_a = false,
         "any_contact"_a = false, "filter"_a = nb::none(), "budget"_a = nb::none(),
         first_documentation(docs::self_time_of_impact).c_str());
   const std::string impacts =
@@ -346,9 +346,9 @@ void bind_rigid_motions(nb::module_& m) {
       .def("speed", &RigidMotion::speed, "radius"_a, docs::RigidMotion_speed);
   m.def("time_of_impact", &path_impact_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
         "min_separation"_a = 0.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none());
-  m.def("least_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(),
+  m.def("min_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(),
         "max_time"_a = 1.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none(),
-        docs::least_distance);
+        docs::min_distance);
 }
 
 }  // namespace

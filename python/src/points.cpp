@@ -31,7 +31,7 @@ RecordArray closest_points_of(ModelObject& model, const ArrayLike& points, const
   const std::vector<Vec3> asked = points_from(points, "points");
   const Placed placed(model.model, pose_from(pose, "pose"));
   std::vector<PointResult> results(asked.size());
-  without_gil([&] { closest_points(placed, asked, results, {max_distance}); });
+  without_gil([&] { closest_point_many(placed, asked, results, {max_distance}); });
   return recorded(results, dtypes().surface_point);
 }
 
@@ -39,7 +39,7 @@ double winding_number_of(ModelObject& model, const ArrayLike& point, const PoseL
   const Reading guard = reading(model);
   const Vec3 p = point_from(point, "point");
   const Placed placed(model.model, pose_from(pose, "pose"));
-  return without_gil([&] { return winding_number(placed, p); });
+  return without_gil([&] { return generalized_winding_number(placed, p); });
 }
 
 void bind_closed_surface(nb::module_& m) {
@@ -61,7 +61,7 @@ void bind_closed_surface(nb::module_& m) {
            docs::ClosedSurface_winding_number)
       .def("signed_distance", &ClosedSurfaceObject::signed_distance, "point"_a, "pose"_a = nb::none(), nb::kw_only(),
            max_distance_argument(), docs::ClosedSurface_signed_distance)
-      .def("signed_distances", &ClosedSurfaceObject::signed_distances, "points"_a, "pose"_a = nb::none(), nb::kw_only(),
+      .def("signed_distance_many", &ClosedSurfaceObject::signed_distance_many, "points"_a, "pose"_a = nb::none(), nb::kw_only(),
            max_distance_argument(),
            (std::string(R"(signed_distance() of each of the points, on all threads.
 
@@ -78,7 +78,7 @@ Raises   As signed_distance(); then nothing is returned.)") +
 void bind_points(nb::module_& m) {
   m.def("closest_point", &closest_point_of, "model"_a, "point"_a, "pose"_a = nb::none(), nb::kw_only(),
         max_distance_argument(), docs::closest_point);
-  m.def("closest_points", &closest_points_of, "model"_a, "points"_a, "pose"_a = nb::none(), nb::kw_only(),
+  m.def("closest_point_many", &closest_points_of, "model"_a, "points"_a, "pose"_a = nb::none(), nb::kw_only(),
         max_distance_argument(),
         (std::string(R"(closest_point() of each of the points, on all threads.
 
@@ -88,7 +88,7 @@ Returns  An array of n records, limber3d.surface_point_dtype, with these fields.
 Raises   As closest_point(); then nothing is returned.)") +
          surface_point_fields())
             .c_str());
-  m.def("winding_number", &winding_number_of, "model"_a, "point"_a, "pose"_a = nb::none(), docs::winding_number);
+  m.def("generalized_winding_number", &winding_number_of, "model"_a, "point"_a, "pose"_a = nb::none(), docs::generalized_winding_number);
   bind_closed_surface(m);
 }
 

@@ -82,14 +82,14 @@ nb::object any_within_dtype() {
 
 nb::object surface_point_dtype() {
   const SurfacePointRecord r{};
-  return dtype_of(r, {"distance", "position", "barycentric", "triangle", "feature"}, r.distance, r.position,
-                  r.barycentric, r.triangle, r.feature);
+  return dtype_of(r, {"distance", "position", "weights", "triangle", "feature"}, r.distance, r.position,
+                  r.weights, r.triangle, r.feature);
 }
 
 nb::object signed_distance_dtype() {
   const SurfacePointRecord r{};
-  return dtype_of(r, {"distance", "position", "barycentric", "triangle", "feature", "is_inside"}, r.distance,
-                  r.position, r.barycentric, r.triangle, r.feature, r.is_inside);
+  return dtype_of(r, {"distance", "position", "weights", "triangle", "feature", "is_inside"}, r.distance,
+                  r.position, r.weights, r.triangle, r.feature, r.is_inside);
 }
 
 nb::object contact_dtype() {
@@ -126,13 +126,13 @@ nb::object impact_dtype() {
 
 nb::object path_impact_dtype() {
   const PathImpactRecord r{};
-  return dtype_of(r, {"status", "time", "point_a", "point_b", "normal", "triangle_a", "triangle_b", "distances"},
+  return dtype_of(r, {"status", "time", "point_a", "point_b", "normal", "triangle_a", "triangle_b", "distance_count"},
                   r.status, r.time, r.point_a, r.point_b, r.normal, r.triangle_a, r.triangle_b, r.distance_count);
 }
 
 nb::object path_distance_dtype() {
   const PathDistanceRecord r{};
-  return dtype_of(r, {"lower", "upper", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distances"}, r.lower,
+  return dtype_of(r, {"lower", "upper", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distance_count"}, r.lower,
                   r.upper, r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distance_count);
 }
 
@@ -160,7 +160,7 @@ SurfacePointRecord surface_point_record(const std::optional<SurfacePoint>& close
     constexpr double infinite = std::numeric_limits<double>::infinity();
     return {infinite, nowhere, {not_a_number, not_a_number, not_a_number}, no_id, {}, false};
   }
-  return {closest->distance, closest->position, closest->barycentric, closest->triangle, closest->feature, false};
+  return {closest->distance, closest->position, closest->weights, closest->triangle, closest->feature, false};
 }
 
 }  // namespace
@@ -177,9 +177,9 @@ CollideRecord record_of(const CollideResult& r) {
   return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, r.is_yes(), answer, stopped_by};
 }
 
-ClosestObjectsRecord record_of(const ClosestObjects& c) { return {record_of(c.result), c.objects.a, c.objects.b}; }
+ClosestObjectsRecord record_of(const ClosestObjectsResult& c) { return {record_of(c.result), c.objects.a, c.objects.b}; }
 
-CloseObjectsRecord record_of(const CloseObjects& c) {
+CloseObjectsRecord record_of(const AnyWithinResult& c) {
   const CollideRecord r = record_of(c.result);
   return {r.point_a, r.point_b, r.triangle_a, r.triangle_b, c.objects.a, c.objects.b, r.is_yes, r.answer, r.stopped_by};
 }
@@ -224,7 +224,7 @@ std::string contact_fields() {
 std::string surface_point_fields() {
   return fields({{"distance", docs::SurfacePoint_distance},
                  {"position", "the point of the model, in the world"},
-                 {"barycentric", docs::SurfacePoint_barycentric},
+                 {"weights", docs::SurfacePoint_barycentric},
                  {"triangle", "the triangle that it lies on"},
                  {"feature", feature_text}});
 }

@@ -58,16 +58,16 @@ struct PathImpactRecord {
   double time;
   Vec3 point_a, point_b;  // not a number without a witness
   Vec3 normal;            // 0 without one
-  std::uint64_t distances;
+  std::uint64_t distance_count;
   TriangleId triangle_a, triangle_b;
   ImpactStatus status;
 };
 
-/// One answer of least_distance().
+/// One answer of min_distance().
 struct PathDistanceRecord {
   double lower, upper, time;
   Vec3 point_a, point_b;
-  std::uint64_t distances;
+  std::uint64_t distance_count;
   TriangleId triangle_a, triangle_b;
 };
 
@@ -75,7 +75,7 @@ struct PathDistanceRecord {
 struct SurfacePointRecord {
   double distance;  // infinite if nothing is that close
   Vec3 position;
-  std::array<double, 3> barycentric;
+  std::array<double, 3> weights;
   TriangleId triangle;
   Feature feature;
   bool is_inside;  // of signed distances only
@@ -90,8 +90,8 @@ struct SolidRelationRecord {
 
 DistanceRecord record_of(const DistanceResult& result);
 CollideRecord record_of(const CollideResult& result);
-ClosestObjectsRecord record_of(const ClosestObjects& closest);
-CloseObjectsRecord record_of(const CloseObjects& close);
+ClosestObjectsRecord record_of(const ClosestObjectsResult& closest);
+CloseObjectsRecord record_of(const AnyWithinResult& close);
 PathImpactRecord record_of(const PathImpact& result);
 PathDistanceRecord record_of(const PathDistance& result);
 SurfacePointRecord record_of(const PointResult& result);

@@ -62,7 +62,7 @@ void bind_parts(nb::module_& m) {
       .field("triangle_b", &Witness::triangle_b, docs::Witness_triangle_a);
   ValueClass<QueryStats>(m, "QueryStats", docs::QueryStats)
       .field("node_tests", &QueryStats::node_tests, docs::QueryStats_node_tests)
-      .field("triangle_tests", &QueryStats::triangle_tests, docs::QueryStats_triangle_tests);
+      .field("primitive_tests", &QueryStats::primitive_tests, docs::QueryStats_primitive_tests);
   ValueClass<Feature>(m, "Feature", docs::Feature)
       .field("kind", &Feature::kind, "Vertex, edge or face.")
       .field("index", &Feature::index, docs::Feature_index);
@@ -94,7 +94,7 @@ void bind_points_found(nb::module_& m) {
       .field("distance", &SurfacePoint::distance, docs::SurfacePoint_distance)
       .field("position", &SurfacePoint::position, "The point of the model, in the world.")
       .field("triangle", &SurfacePoint::triangle, "The triangle that it lies on.")
-      .field("barycentric", &SurfacePoint::barycentric, docs::SurfacePoint_barycentric)
+      .field("weights", &SurfacePoint::weights, docs::SurfacePoint_barycentric)
       .field("feature", &SurfacePoint::feature, docs::SurfacePoint_feature);
   ValueClass<PointResult>(m, "PointResult", "What closest_point() has found.")
       .field("closest", &PointResult::closest, docs::PointResult_closest)

@@ -77,7 +77,7 @@ IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double 
   return array_of(std::span<const ObjectId>(ids));
 }
 
-ClosestObject closest_object_of(SceneObject& self, nb::handle_t<BodyObject> model, const PoseLike& pose,
+ClosestObjectResult closest_object_of(SceneObject& self, nb::handle_t<BodyObject> model, const PoseLike& pose,
                                 double relative_error, double absolute_error, double max_distance,
                                 const SingleObjectFilter& filter, const BudgetObject* budget) {
   auto& object = nb::cast<BodyObject&>(model);
@@ -92,7 +92,7 @@ ClosestObject closest_object_of(SceneObject& self, nb::handle_t<BodyObject> mode
   });
 }
 
-ObjectImpact object_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
+ObjectImpactResult object_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
                               double max_time, double min_separation, std::optional<double> distance_error,
                               const SingleObjectFilter& filter, const BudgetObject* budget) {
   auto& object = nb::cast<BodyObject&>(body);
@@ -106,7 +106,7 @@ ObjectImpact object_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, 
   });
 }
 
-CloseObjects any_within_of(SceneObject& self, double max_distance, const ObjectFilter& filter,
+AnyWithinResult any_within_of(SceneObject& self, double max_distance, const ObjectFilter& filter,
                            const BudgetObject* budget) {
   const Filter which(filter);
   return self.read([&](const Scene& scene) {
@@ -167,7 +167,7 @@ RecordArray pair_distances(SceneObject& self, const ArrayLike& pairs, double rel
       });
 }
 
-ClosestObjects closest_objects_of(SceneObject& self, double relative_error, double absolute_error, double max_distance,
+ClosestObjectsResult closest_objects_of(SceneObject& self, double relative_error, double absolute_error, double max_distance,
                                   const ObjectFilter& filter, SceneCacheObject* cache, const BudgetObject* budget) {
   const Filter which(filter);
   const Used used(cache);
@@ -199,18 +199,18 @@ std::string asked_documentation(const char* dtype) {
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  ValueClass<ClosestObjects>(m, "ClosestObjects", docs::ClosestObjects)
-      .field("objects", &ClosestObjects::objects, "The ids of the two, or None if the result has no witness.")
-      .field("result", &ClosestObjects::result, docs::ClosestObjects_result);
-  ValueClass<CloseObjects>(m, "CloseObjects", docs::CloseObjects)
-      .field("objects", &CloseObjects::objects, "The ids of the two, or None unless the answer is yes.")
-      .field("result", &CloseObjects::result, docs::CloseObjects_result);
-  ValueClass<ClosestObject>(m, "ClosestObject", docs::ClosestObject)
-      .id_or_none("object", &ClosestObject::object, "Its id, or None if the result has no witness.")
-      .field("result", &ClosestObject::result, docs::ClosestObject_result);
-  ValueClass<ObjectImpact>(m, "ObjectImpact", docs::ObjectImpact)
-      .id_or_none("object", &ObjectImpact::object, "Its id, or None if the result has no witness.")
-      .field("result", &ObjectImpact::result, docs::ObjectImpact_result);
+  ValueClass<ClosestObjectsResult>(m, "ClosestObjectsResult", docs::ClosestObjectsResult)
+      .field("objects", &ClosestObjectsResult::objects, "The ids of the two, or None if the result has no witness.")
+      .field("result", &ClosestObjectsResult::result, docs::ClosestObjects_result);
+  ValueClass<AnyWithinResult>(m, "AnyWithinResult", docs::AnyWithinResult)
+      .field("objects", &AnyWithinResult::objects, "The ids of the two, or None unless the answer is yes.")
+      .field("result", &AnyWithinResult::result, docs::CloseObjects_result);
+  ValueClass<ClosestObjectResult>(m, "ClosestObjectResult", docs::ClosestObjectResult)
+      .id_or_none("object", &ClosestObjectResult::object, "Its id, or None if the result has no witness.")
+      .field("result", &ClosestObjectResult::result, docs::ClosestObject_result);
+  ValueClass<ObjectImpactResult>(m, "ObjectImpactResult", docs::ObjectImpactResult)
+      .id_or_none("object", &ObjectImpactResult::object, "Its id, or None if the result has no witness.")
+      .field("result", &ObjectImpactResult::result, docs::ObjectImpact_result);
   nb::class_<ObjectPairMatrix>(m, "ObjectPairMatrix", docs::ObjectPairMatrix)
       .def(nb::init<std::size_t, bool>(), "size"_a, "counts"_a = true,
            "All pairs of ids below `size` count, or none does.")

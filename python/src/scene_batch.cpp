@@ -50,7 +50,7 @@ class SceneBatch {
                        double absolute_error, double max_distance, const BudgetObject* budget) {
     const ClosestObjectsOptions options{relative_error, absolute_error, max_distance,
                                         filter(),       nullptr,        budget_of(budget)};
-    write<ClosestObjects>(records, begin, end, [&](const Scene& scene, auto poses, auto& results) {
+    write<ClosestObjectsResult>(records, begin, end, [&](const Scene& scene, auto poses, auto& results) {
       scene.closest_objects_many(ids_, poses, results, options);
     });
   }
@@ -58,7 +58,7 @@ class SceneBatch {
   void any_within(const RecordArray& records, std::size_t begin, std::size_t end, double max_distance,
                   const BudgetObject* budget) {
     const AnyWithinOptions options{filter(), budget_of(budget)};
-    write<CloseObjects>(records, begin, end, [&](const Scene& scene, auto poses, auto& results) {
+    write<AnyWithinResult>(records, begin, end, [&](const Scene& scene, auto poses, auto& results) {
       scene.any_within_many(ids_, poses, max_distance, results, options);
     });
   }

@@ -68,10 +68,10 @@ void bind_bodies(nb::module_& m) {
       .def_static("cylinder", &cylinder, "start"_a, "end"_a, "radius"_a, "max_error"_a, docs::Shape_cylinder)
       .def_static(
           "half_space",
-          [](const ArrayLike& normal, double offset, double extent) {
-            return made(Shape::half_space(point_from(normal, "normal"), offset, extent));
+          [](const ArrayLike& normal, double offset, double half_extent) {
+            return made(Shape::half_space(point_from(normal, "normal"), offset, half_extent));
           },
-          "normal"_a, "offset"_a, "extent"_a, docs::Shape_half_space)
+          "normal"_a, "offset"_a, "half_extent"_a, docs::Shape_half_space)
       .def_static("convex_hull", &convex_hull, "points"_a, "radius"_a = 0.0, docs::Shape_convex_hull)
       .def_static(
           "height_field", &height_field, "heights"_a, "step_x"_a, "step_y"_a, "radius"_a = 0.0,

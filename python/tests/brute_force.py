@@ -102,6 +102,6 @@ def pairs_within(a: FloatArray, b: FloatArray, margin: float) -> tuple[Any, Any,
     return i[close], j[close], distances[close]
 
 
-def least_distance(a: FloatArray, b: FloatArray) -> float:
+def min_distance(a: FloatArray, b: FloatArray) -> float:
     """The distance of two meshes, (n, 3, 3) and (m, 3, 3)."""
     return float(pairs_within(a, b, float(_sphere_gaps(a, b)[1].min()))[2].min())

@@ -73,7 +73,7 @@ def test_read_only_arrays_lists_and_buffers_are_read() -> None:
     model.move_vertices([], [])
     assert (model.vertices[1:3] == [[5, 0, 0], [0, 5, 0]]).all()
     model.commit()
-    assert limber3d.closest_points(model, []).shape == (0,)
+    assert limber3d.closest_point_many(model, []).shape == (0,)
 
 
 def test_buffers_without_strides_and_subclasses_are_read() -> None:

@@ -22,7 +22,7 @@ def test_intersections_are_pairs_of_ids(ball: limber3d.Model) -> None:
 
 def test_results_say_whether_they_are_all(ball: limber3d.Model) -> None:
     found = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR)
-    assert found.is_complete and found.stopped_by is limber3d.StoppedBy.nothing and found.stats.triangle_tests > 0
+    assert found.is_complete and found.stopped_by is limber3d.StoppedBy.nothing and found.stats.primitive_tests > 0
     for max_count in (0, 1, len(found)):
         some = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, max_count=max_count)
         assert len(some) == max_count and not some.is_complete and some.stopped_by is limber3d.StoppedBy.nothing
@@ -45,22 +45,22 @@ def test_contacts_are_records(ball: limber3d.Model) -> None:
 
 def test_pairs_are_the_same_on_all_threads(ball: limber3d.Model) -> None:
     one_by_one = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR).records
-    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True).records == one_by_one).all()
-    four = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, max_count=4)
+    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, parallel=True).records == one_by_one).all()
+    four = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, parallel=True, max_count=4)
     assert (four.records == one_by_one[:4]).all() and not four.is_complete
 
     def even(a: int, b: int) -> bool:
         return a % 2 == 0
 
     some = limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, filter=even).records
-    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, filter=even).records == some).all()
+    assert (limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, parallel=True, filter=even).records == some).all()
     pairs = limber3d.intersections(ball, ball, pose_b=NEAR).records
-    assert (limber3d.intersections(ball, ball, pose_b=NEAR, is_parallel=True).records == pairs).all()
+    assert (limber3d.intersections(ball, ball, pose_b=NEAR, parallel=True).records == pairs).all()
     model, rings = folded(), limber3d.NeighborRings(folded(), 1)
     pairs = limber3d.self_intersections(model).records
-    assert (limber3d.self_intersections(model, is_parallel=True).records == pairs).all()
+    assert (limber3d.self_intersections(model, parallel=True).records == pairs).all()
     own = limber3d.self_contacts(model, 0.3, filter=rings).records
-    assert len(own) > 0 and (limber3d.self_contacts(model, 0.3, filter=rings, is_parallel=True).records == own).all()
+    assert len(own) > 0 and (limber3d.self_contacts(model, 0.3, filter=rings, parallel=True).records == own).all()
 
 
 def test_budgets_end_searches(ball: limber3d.Model) -> None:
@@ -72,7 +72,7 @@ def test_budgets_end_searches(ball: limber3d.Model) -> None:
     def asked(budget: limber3d.QueryBudget | None) -> list[limber3d.Contacts | limber3d.TrianglePairs]:
         return [
             limber3d.intersections(ball, ball, pose_b=NEAR, budget=budget),
-            limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, is_parallel=True, budget=budget),
+            limber3d.contacts(ball, ball, 0.05, pose_b=NEAR, parallel=True, budget=budget),
             limber3d.closest_pairs(ball, ball, 9, pose_b=NEAR, budget=budget),
             limber3d.self_intersections(model, budget=budget),
             limber3d.self_contacts(model, 0.3, budget=budget),
@@ -199,7 +199,7 @@ def test_functions_filter_pairs_and_their_errors_come_through(ball: limber3d.Mod
 def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
     pose = ([1, 0, 0, 0], [1.5, 0, 0])
     found = limber3d.element_pairs(tetra, tetra, 0.6, pose_b=pose)
-    assert found.is_complete and found.stopped_by is limber3d.StoppedBy.nothing and found.stats.triangle_tests > 0
+    assert found.is_complete and found.stopped_by is limber3d.StoppedBy.nothing and found.stats.primitive_tests > 0
     vertex_face, edge_edge = found.vertex_face, found.edge_edge
     assert vertex_face.dtype == limber3d.vertex_face_dtype and edge_edge.dtype == limber3d.edge_edge_dtype
     assert numpy.allclose(vertex_face["weights"].sum(axis=1), 1) and vertex_face["is_vertex_of_b"].any()

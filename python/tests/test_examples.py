@@ -28,7 +28,7 @@ def example(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
 def least(a: Any, b: Any, pose_a: Any = None, pose_b: Any = None) -> float:
     """The distance of two meshes by brute force."""
     corners = brute_force.corners
-    return brute_force.least_distance(corners(a.vertices, a.faces, pose_a), corners(b.vertices, b.faces, pose_b))
+    return brute_force.min_distance(corners(a.vertices, a.faces, pose_a), corners(b.vertices, b.faces, pose_b))
 
 
 def assert_is_picture(file: Path) -> None:
@@ -51,7 +51,7 @@ def test_brute_force_knows_a_few_answers() -> None:
         for b in (numpy.array([other]), numpy.array([other])[:, [1, 2, 0]]):
             for one, two in ((flat, b), (b, flat)):
                 assert abs(brute_force.pair_distances(one, two)[0] - distance) < 1e-12
-                assert abs(brute_force.least_distance(one, two) - distance) < 1e-12
+                assert abs(brute_force.min_distance(one, two) - distance) < 1e-12
 
 
 def test_the_arm_has_the_clearance_of_brute_force(
@@ -115,7 +115,7 @@ def test_the_sheet_has_the_contacts_of_brute_force(monkeypatch: pytest.MonkeyPat
     assert (found.distances["lower"] == found.distances["upper"]).all()
     for i in (17, most):
         sheet = frames[i][faces]
-        assert abs(brute_force.least_distance(sheet, body) - found.distances["upper"][i]) < 1e-9
+        assert abs(brute_force.min_distance(sheet, body) - found.distances["upper"][i]) < 1e-9
         assert len(brute_force.pairs_within(sheet, body, margin)[0]) == found.contacts[i]
         one, two, _ = brute_force.pairs_within(sheet, sheet, margin)
         assert ((one < two) & is_far[one, two]).sum() == found.self_contacts[i]

@@ -21,11 +21,11 @@ STARTS_B, ENDS_B = random_poses(3, COUNT), random_poses(4, COUNT)
 CENTER_A, CENTER_B = [0.5, 0, 0.25], numpy.array([0, -0.5, 0])
 OPTIONS = {"max_time": 0.75, "distance_error": 0.01}
 
-MANY: list[Any] = [limber3d.time_of_impact_many, limber3d.least_distance_many]
+MANY: list[Any] = [limber3d.time_of_impact_many, limber3d.min_distance_many]
 SINGLE_AND_MANY: list[Any] = [
     (limber3d.time_of_impact, limber3d.time_of_impact_many, {}),
     (limber3d.time_of_impact, limber3d.time_of_impact_many, {**OPTIONS, "min_separation": 0.25}),
-    (limber3d.least_distance, limber3d.least_distance_many, OPTIONS),
+    (limber3d.min_distance, limber3d.min_distance_many, OPTIONS),
 ]
 
 
@@ -105,7 +105,7 @@ def test_a_door_meets_what_stands_in_its_way() -> None:
     tips = hinge + numpy.stack([numpy.cos(angles), numpy.sin(angles), 0 * angles], 1)
     assert hits["point_b"] == pytest.approx(tips, abs=1e-8)
 
-    nearest = limber3d.least_distance_many(
+    nearest = limber3d.min_distance_many(
         door, wedge, None, closed, wedges, center_a=hinge, max_time=0.5, distance_error=1e-9
     )
     expected = numpy.sin(numpy.maximum(angles - math.pi / 4, 0))

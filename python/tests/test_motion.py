@@ -167,13 +167,13 @@ def test_rigid_bodies_go_along_a_path(ball: limber3d.Model, plate: limber3d.Mode
     found = limber3d.time_of_impact(ball, falls, plate, stands)
     lowest = ball.vertices[:, 2].min()
     assert found.status == Status.contact and found.time == pytest.approx((3 + lowest) / 4, abs=1e-5)
-    assert found.time <= (3 + lowest) / 4 and found.witness is not None and found.distances < 40
+    assert found.time <= (3 + lowest) / 4 and found.witness is not None and found.distance_count < 40
     cache = limber3d.QueryCache()
-    nearest = limber3d.least_distance(ball, falls, plate, stands, max_time=0.25, cache=cache)
+    nearest = limber3d.min_distance(ball, falls, plate, stands, max_time=0.25, cache=cache)
     assert nearest.time == 0.25 and nearest.upper == pytest.approx(2 + lowest) and nearest.lower <= nearest.upper
     assert pickle.loads(pickle.dumps(nearest)) == nearest
     turns = limber3d.RigidMotion(([1, 0, 0, 0], [0, 0, 3]), ([0.8, 0, 0, 0.6], [0, 0, 1.5]))
-    usual, exact = (limber3d.least_distance(ball, turns, plate, stands, distance_error=e) for e in (None, 0))
+    usual, exact = (limber3d.min_distance(ball, turns, plate, stands, distance_error=e) for e in (None, 0))
     assert exact.upper - exact.lower < 1e-11 < usual.upper - usual.lower
     few = limber3d.time_of_impact(ball, falls, plate, stands, budget=limber3d.QueryBudget(max_steps=1))
     assert few.status == Status.undecided and 0 < few.time < found.time

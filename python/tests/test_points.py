@@ -17,7 +17,7 @@ def test_the_closest_point_says_where_it_lies(tetra: limber3d.Model) -> None:
     assert found.distance == 1 and found.position.tolist() == [0.2, 0.3, 0] and found.triangle == 0
     assert found.feature.kind is limber3d.FeatureKind.face
     corners = tetra.vertices[tetra.faces[found.triangle]]
-    assert numpy.allclose(found.barycentric @ corners, found.position)
+    assert numpy.allclose(found.weights @ corners, found.position)
     assert limber3d.closest_point(tetra, [9, 9, 9], max_distance=1.0).closest is None
     assert limber3d.closest_point(tetra, [5, 0, 0], ([1, 0, 0, 0], [5, 0, 0])).closest is not None
     with pytest.raises(ValueError, match=r"point: expected shape \(3,\)"):
@@ -27,7 +27,7 @@ def test_the_closest_point_says_where_it_lies(tetra: limber3d.Model) -> None:
 def test_many_points_give_the_bits_of_one(ball: limber3d.Model) -> None:
     pose = ([1, 0.2, 0.4, 0], [0.3, 0, 0])
     points = numpy.random.default_rng(4).normal(size=(500, 3))
-    found = limber3d.closest_points(ball, points, pose, max_distance=0.7)
+    found = limber3d.closest_point_many(ball, points, pose, max_distance=0.7)
     assert found.dtype == limber3d.surface_point_dtype and numpy.isinf(found["distance"]).any()
     for point, record in zip(points, found):
         one = limber3d.closest_point(ball, point, pose, max_distance=0.7).closest
@@ -36,14 +36,14 @@ def test_many_points_give_the_bits_of_one(ball: limber3d.Model) -> None:
         else:
             found_here = record["distance"], record["triangle"], record["feature"]["index"]
             assert (one.distance, one.triangle, one.feature.index) == found_here
-            assert (one.position == record["position"]).all() and (one.barycentric == record["barycentric"]).all()
+            assert (one.position == record["position"]).all() and (one.weights == record["weights"]).all()
 
 
 def test_closed_surfaces_tell_inside_from_outside(ball: limber3d.Model) -> None:
     surface = limber3d.ClosedSurface(ball)
     points = numpy.random.default_rng(5).normal(size=(300, 3)).astype(numpy.float32)
     inside = surface.contains_many(points)
-    signed = surface.signed_distances(points)
+    signed = surface.signed_distance_many(points)
     assert inside.dtype == bool and inside.any() and not inside.all()
     for point, is_inside, record in zip(points, inside, signed):
         assert surface.contains(point) == is_inside == record["is_inside"] == (record["distance"] <= 0)
@@ -51,7 +51,7 @@ def test_closed_surfaces_tell_inside_from_outside(ball: limber3d.Model) -> None:
         assert one.distance == record["distance"] and one.is_inside == is_inside
         assert surface.winding_number(point) == (1 if is_inside else 0)
     assert surface.winding_number([0, 0, 1]) is None
-    on_it = surface.signed_distances(ball.vertices)["distance"]
+    on_it = surface.signed_distance_many(ball.vertices)["distance"]
     assert (on_it == 0).all() and not numpy.signbit(on_it).any()
     assert math.copysign(1, surface.signed_distance([0, 0, 1]).distance) == 1
     beyond = surface.signed_distance([9, 0, 0], max_distance=1.0)
@@ -65,9 +65,9 @@ def test_open_surfaces_have_a_winding_number_and_no_inside(ball: limber3d.Model)
     opened = limber3d.Model(vertices, faces)
     with pytest.raises(ValueError, match="edge"):
         limber3d.ClosedSurface(opened)
-    assert 0.9 < limber3d.winding_number(opened, [0, 0, 0]) < 1
+    assert 0.9 < limber3d.generalized_winding_number(opened, [0, 0, 0]) < 1
     for point, number in (([0, 0, 0], 1), ([3, 0, 0], 0)):
-        assert limber3d.winding_number(ball, point) == pytest.approx(number)
+        assert limber3d.generalized_winding_number(ball, point) == pytest.approx(number)
 
 
 def test_a_surface_whose_model_was_reset_is_refused(ball: limber3d.Model) -> None:

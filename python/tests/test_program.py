@@ -61,7 +61,7 @@ def test_distances(meshes: tuple[Path, Path], tmp_path: Path) -> None:
         assert ours.status.name == answer["status"] and ours.lower == answer["lower"] == record["lower"]
         assert answer["upper"] in (ours.upper, None) and ours.upper == record["upper"]
         assert same_witness(answer["witness"], ours.witness)
-        assert (ours.stats.node_tests, ours.stats.triangle_tests) == (answer["node_tests"], answer["triangle_tests"])
+        assert (ours.stats.node_tests, ours.stats.primitive_tests) == (answer["node_tests"], answer["primitive_tests"])
 
 
 def test_contacts(meshes: tuple[Path, Path]) -> None:
@@ -100,12 +100,12 @@ def test_points(meshes: tuple[Path, Path], tmp_path: Path) -> None:
     theirs = lines("points", meshes[0], path, "--pose", pose_text(0), "--signed", "--winding-number", "--json")
     model, pose = limber3d.load(meshes[0]), (TURNS[0], SHIFTS[0])
     surface = limber3d.ClosedSurface(model)
-    for answer, point, record in zip(theirs, points, surface.signed_distances(points, pose)):
+    for answer, point, record in zip(theirs, points, surface.signed_distance_many(points, pose)):
         assert (answer["distance"], answer["inside"]) == (record["distance"], record["is_inside"])
         assert answer["closest"]["point"] == record["position"].tolist()
-        assert answer["closest"]["weights"] == record["barycentric"].tolist()
+        assert answer["closest"]["weights"] == record["weights"].tolist()
         assert answer["closest"]["triangle"] == record["triangle"]
-        assert answer["winding_number"] == limber3d.winding_number(model, point, pose)
+        assert answer["winding_number"] == limber3d.generalized_winding_number(model, point, pose)
 
 
 def test_frames(meshes: tuple[Path, Path], tmp_path: Path) -> None:

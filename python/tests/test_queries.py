@@ -20,7 +20,7 @@ FAR = numpy.array([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
 def test_a_distance_has_its_points_and_triangles(tetra: limber3d.Model) -> None:
     result = limber3d.distance(tetra, tetra, pose_b=FAR)
     assert result.lower == result.upper == 2 and result.status is limber3d.DistanceStatus.exact
-    assert result.stopped_by is limber3d.StoppedBy.nothing and result.stats.triangle_tests > 0
+    assert result.stopped_by is limber3d.StoppedBy.nothing and result.stats.primitive_tests > 0
     witness = result.witness
     assert witness is not None
     assert witness.point_a.tolist() == [1, 0, 0] and witness.point_b.tolist() == [3, 0, 0]

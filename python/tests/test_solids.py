@@ -52,7 +52,7 @@ def test_many_relations_are_those_of_single_calls() -> None:
     surfaces = [box(0, 1), None, limber3d.ClosedSurface(limber3d.Model(*ball_arrays(12, 8))), box(-0.3, 0.3)]
     poses = random_poses(3, 4, 0.5)
     pairs = numpy.array([(a, b) for a in (0, 2, 3) for b in (0, 2, 3) if a != b])
-    found = limber3d.solid_relations(surfaces, pairs, poses)
+    found = limber3d.solid_relation_many(surfaces, pairs, poses)
     assert found.dtype == limber3d.solid_relation_dtype and len(set(found["relation"])) > 1
     for (a, b), record in zip(pairs, found):
         first, second = surfaces[a], surfaces[b]
@@ -64,8 +64,8 @@ def test_many_relations_are_those_of_single_calls() -> None:
         else:
             assert (record["point_a"] == single.witness.point_a).all()
             assert record["triangle_b"] == single.witness.triangle_b
-    assert limber3d.solid_relations(iter(surfaces), [[0, 3]])["relation"].tolist() == [SolidRelation.overlapping]
-    assert limber3d.solid_relations([], numpy.zeros((0, 2), int)).shape == (0,)
+    assert limber3d.solid_relation_many(iter(surfaces), [[0, 3]])["relation"].tolist() == [SolidRelation.overlapping]
+    assert limber3d.solid_relation_many([], numpy.zeros((0, 2), int)).shape == (0,)
 
 
 def test_relations_of_what_a_scene_finds() -> None:
@@ -74,7 +74,7 @@ def test_relations_of_what_a_scene_finds() -> None:
         scene.add(surface.model, at(x, y, z))
     scene.commit()
     pairs = scene.candidate_pairs(0.25)
-    found = limber3d.solid_relations(surfaces, pairs, numpy.array([scene.pose(i) for i in range(3)]))
+    found = limber3d.solid_relation_many(surfaces, pairs, numpy.array([scene.pose(i) for i in range(3)]))
     by_pair = {tuple(pair): SolidRelation(int(record)) for pair, record in zip(pairs.tolist(), found["relation"])}
     assert by_pair == {
         (0, 1): SolidRelation.touching,
@@ -92,7 +92,7 @@ def test_deepest_vertices_are_those_of_a_loop() -> None:
             (found.of_a, surface.model.vertices, pose),
             (found.of_b, placed, None),
         ):
-            distances = surface.signed_distances(points, other)["distance"]
+            distances = surface.signed_distance_many(points, other)["distance"]
             assert (deepest is None) == (distances.min() > 0)
             if deepest is not None:
                 assert deepest.depth == pytest.approx(-distances.min(), abs=1e-12)
@@ -100,11 +100,11 @@ def test_deepest_vertices_are_those_of_a_loop() -> None:
                 out = deepest.closest.position - deepest.position
                 assert numpy.linalg.norm(deepest.direction) == pytest.approx(1)
                 assert numpy.allclose(deepest.direction * deepest.depth, out, atol=1e-9)
-        assert found.upper == max(deepest.depth if deepest else 0.0 for deepest in (found.of_a, found.of_b))
+        assert found.max_depth == max(deepest.depth if deepest else 0.0 for deepest in (found.of_a, found.of_b))
     apart = limber3d.deepest_vertices(surface, surface, pose_b=at(5))
-    assert apart.of_a is None and apart.of_b is None and apart.upper == 0
+    assert apart.of_a is None and apart.of_b is None and apart.max_depth == 0
     stopped = limber3d.deepest_vertices(surface, surface, pose_b=at(0.5), budget=limber3d.QueryBudget(max_steps=0))
-    assert stopped.stopped_by is limber3d.StoppedBy.max_steps and stopped.upper > 0
+    assert stopped.stopped_by is limber3d.StoppedBy.max_steps and stopped.max_depth > 0
 
 
 def test_a_translation_separates_and_less_does_not() -> None:
@@ -148,10 +148,10 @@ def test_mistakes_are_errors() -> None:
     unit = box(0, 1)
     for mistake in (
         lambda: limber3d.solid_relation(unit, unit, numpy.eye(4) * 2),
-        lambda: limber3d.solid_relations([unit, unit], [[0, 2]]),
-        lambda: limber3d.solid_relations([unit, None], [[0, 1]]),
-        lambda: limber3d.solid_relations([unit, unit], [[0, 1]], random_poses(1, 3)),
-        lambda: limber3d.solid_relations([unit, unit], [0, 1]),
+        lambda: limber3d.solid_relation_many([unit, unit], [[0, 2]]),
+        lambda: limber3d.solid_relation_many([unit, None], [[0, 1]]),
+        lambda: limber3d.solid_relation_many([unit, unit], [[0, 1]], random_poses(1, 3)),
+        lambda: limber3d.solid_relation_many([unit, unit], [0, 1]),
         lambda: limber3d.separating_translation(unit, unit, [0, 0, 0]),
         lambda: limber3d.separating_translation(unit, unit, [math.nan, 0, 0]),
         lambda: limber3d.signed_distance(unit, unit, relative_error=-1.0),
@@ -159,7 +159,7 @@ def test_mistakes_are_errors() -> None:
         with pytest.raises(ValueError):
             mistake()
     with pytest.raises(TypeError):
-        limber3d.solid_relations([unit, 3], [[0, 1]])  # type: ignore[list-item]
+        limber3d.solid_relation_many([unit, 3], [[0, 1]])  # type: ignore[list-item]
     with pytest.raises(TypeError):
         limber3d.solid_relation(unit, unit.model)  # type: ignore[arg-type]
     unit.model.move_vertices([0], [[-1, 0, 0]])
@@ -168,7 +168,7 @@ def test_mistakes_are_errors() -> None:
     unit.model.reset(unit.model.vertices, unit.model.faces)
     for stale in (
         lambda: limber3d.solid_relation(unit, unit),
-        lambda: limber3d.solid_relations([unit, unit], [[0, 1]]),
+        lambda: limber3d.solid_relation_many([unit, unit], [[0, 1]]),
         lambda: limber3d.deepest_vertices(unit, unit),
         lambda: limber3d.signed_distance(unit, unit),
     ):

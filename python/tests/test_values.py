@@ -53,7 +53,7 @@ def results() -> list[Any]:
         *(scene.closest_object(tetra, FAR, max_distance=0.5), scene.time_of_impact(tetra, goes)),
         *(scene.time_of_impact(tetra, stands),),
         *(hit, hit.elements, limber3d.time_of_impact(moving, moving)),
-        *(limber3d.time_of_impact(tetra, stands, tetra, goes), limber3d.least_distance(tetra, stands, tetra, goes)),
+        *(limber3d.time_of_impact(tetra, stands, tetra, goes), limber3d.min_distance(tetra, stands, tetra, goes)),
         *(tetra.tree_stats, tetra.maintenance_stats, tetra.bounding_box(), tetra.bounding_sphere()),
     ]
 
@@ -101,7 +101,7 @@ def test_values_are_written_with_all_fields() -> None:
     assert repr(VALUES[12]) == (
         "DistanceResult(lower=2.0, upper=2.0, status=DistanceStatus.exact, witness=Witness(point_a=(1.0, 0.0, 0.0), "
         "point_b=(3.0, 0.0, 0.0), triangle_a=0, triangle_b=1), stopped_by=StoppedBy.nothing, "
-        "stats=QueryStats(node_tests=1, triangle_tests=1))"
+        "stats=QueryStats(node_tests=1, primitive_tests=1))"
     )
     assert repr(VALUES[-2]).startswith("Box(low=(")
     assert "feature=Feature(kind=FeatureKind.vertex, index=" in repr(VALUES)
@@ -118,5 +118,5 @@ def test_damaged_pickles_are_refused(state: Any) -> None:
 
 
 def test_pairs_without_a_witness_have_no_objects() -> None:
-    pair, none = (value for value in VALUES if isinstance(value, limber3d.ClosestObjects))
+    pair, none = (value for value in VALUES if isinstance(value, limber3d.ClosestObjectsResult))
     assert pair.objects == (0, 1) and none.objects is None and pickle.loads(pickle.dumps(none)).objects is None

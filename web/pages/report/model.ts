@@ -49,7 +49,7 @@ export interface ReportData {
   build_us: number;
   query_us: number;
   node_tests: number;
-  triangle_tests: number;
+  primitive_tests: number;
   min_clearance: number | null;
   max_distance: number | null;
   relative_error: number;

@@ -62,7 +62,7 @@ export function showAnswer(data: ReportData): void {
     rows.push([`${kind} of A`, shownPoint(point_a)], ['on', `triangle ${triangle_a}, face ${face_a} of A`]);
     rows.push([`${kind} of B`, shownPoint(point_b)], ['on', `triangle ${triangle_b}, face ${face_b} of B`]);
   }
-  const tests = `${grouped(data.node_tests)} of nodes, ${grouped(data.triangle_tests)} of triangles`;
+  const tests = `${grouped(data.node_tests)} of nodes, ${grouped(data.primitive_tests)} of triangles`;
   rows.push(['Time', `trees ${shownTime(data.build_us)}, query ${shownTime(data.query_us)}`], ['Tests', tests]);
   fillTable(byId('answer'), rows);
 }
