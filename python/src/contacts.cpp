@@ -99,9 +99,9 @@ TrianglePairs intersections_of(BodyObject& a, BodyObject& b, const PoseLike& pos
                                const TriangleFilter& filter, std::optional<std::size_t> max_count, bool parallel,
                                const BudgetObject* budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_pairs(
-      filter, {std::nullopt, max_count, parallel}, budget,
-      [&](auto visit, const PairOptions& options) { return visit_intersections(pair.a(), pair.b(), visit, options); });
+  return found_pairs(filter, {std::nullopt, max_count, parallel}, budget, [&](auto visit, const PairOptions& options) {
+    return visit_intersections(pair.a(), pair.b(), visit, options);
+  });
 }
 
 Contacts contacts_of(BodyObject& a, BodyObject& b, double margin, const PoseLike& pose_a, const PoseLike& pose_b,
@@ -158,12 +158,11 @@ DistanceResult self_distance_of(ModelObject& model, double relative_error, doubl
 }
 
 TrianglePairs self_intersections_of(ModelObject& model, const TriangleFilter& filter,
-                                    std::optional<std::size_t> max_count, bool parallel,
-                                    const BudgetObject* budget) {
+                                    std::optional<std::size_t> max_count, bool parallel, const BudgetObject* budget) {
   const Reading guard = reading(model);
-  return found_pairs(
-      filter, {std::nullopt, max_count, parallel}, budget,
-      [&](auto visit, const PairOptions& options) { return visit_self_intersections(model.model, visit, options); });
+  return found_pairs(filter, {std::nullopt, max_count, parallel}, budget, [&](auto visit, const PairOptions& options) {
+    return visit_self_intersections(model.model, visit, options);
+  });
 }
 
 Contacts self_contacts_of(ModelObject& model, double margin, const TriangleFilter& filter,

@@ -259,7 +259,7 @@ const std::string options_documentation = std::string("\n\nmax_time: ") + docs::
                                           "\n\nnearer_part: " + docs::ImpactOptions_nearer_part;
 
 std::string first_documentation(const char* what) {
-  return std::string(what) + options_documentation + "\n\nignores_crossings: " + docs::ImpactOptions_ignores_crossings +
+  return std::string(what) + options_documentation + "\n\nignore_crossings: " + docs::ImpactOptions_ignore_crossings +
          "\n\nany_contact: " + docs::ImpactOptions_any_contact +
          "\n\nfilter: None, or called with an ElementPairKind and two ids: whether these elements count. " +
          docs::ImpactOptions_filter;
@@ -346,9 +346,8 @@ void bind_rigid_motions(nb::module_& m) {
       .def("speed", &RigidMotion::speed, "radius"_a, docs::RigidMotion_speed);
   m.def("time_of_impact", &path_impact_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
         "min_separation"_a = 0.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none());
-  m.def("min_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(),
-        "max_time"_a = 1.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none(),
-        docs::min_distance);
+  m.def("min_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
+        "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none(), docs::min_distance);
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ void bind_closed_surface(nb::module_& m) {
            docs::ClosedSurface_winding_number)
       .def("signed_distance", &ClosedSurfaceObject::signed_distance, "point"_a, "pose"_a = nb::none(), nb::kw_only(),
            max_distance_argument(), docs::ClosedSurface_signed_distance)
-      .def("signed_distance_many", &ClosedSurfaceObject::signed_distance_many, "points"_a, "pose"_a = nb::none(), nb::kw_only(),
-           max_distance_argument(),
+      .def("signed_distance_many", &ClosedSurfaceObject::signed_distance_many, "points"_a, "pose"_a = nb::none(),
+           nb::kw_only(), max_distance_argument(),
            (std::string(R"(signed_distance() of each of the points, on all threads.
 
 Shape    points is (n, 3), of the world.
@@ -88,7 +88,8 @@ Returns  An array of n records, limber3d.surface_point_dtype, with these fields.
 Raises   As closest_point(); then nothing is returned.)") +
          surface_point_fields())
             .c_str());
-  m.def("generalized_winding_number", &winding_number_of, "model"_a, "point"_a, "pose"_a = nb::none(), docs::generalized_winding_number);
+  m.def("generalized_winding_number", &winding_number_of, "model"_a, "point"_a, "pose"_a = nb::none(),
+        docs::generalized_winding_number);
   bind_closed_surface(m);
 }
 

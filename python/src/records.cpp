@@ -20,7 +20,6 @@ Dtypes all_dtypes;
 
 nb::object format_of(double) { return nb::str("f8"); }
 nb::object format_of(const Vec3&) { return nb::str("(3,)f8"); }
-nb::object format_of(const std::array<double, 3>&) { return nb::str("(3,)f8"); }
 nb::object format_of(std::uint32_t) { return nb::str("u4"); }
 nb::object format_of(std::uint64_t) { return nb::str("u8"); }
 nb::object format_of(bool) { return nb::str("?"); }
@@ -82,14 +81,14 @@ nb::object any_within_dtype() {
 
 nb::object surface_point_dtype() {
   const SurfacePointRecord r{};
-  return dtype_of(r, {"distance", "position", "weights", "triangle", "feature"}, r.distance, r.position,
-                  r.weights, r.triangle, r.feature);
+  return dtype_of(r, {"distance", "position", "weights", "triangle", "feature"}, r.distance, r.position, r.weights,
+                  r.triangle, r.feature);
 }
 
 nb::object signed_distance_dtype() {
   const SurfacePointRecord r{};
-  return dtype_of(r, {"distance", "position", "weights", "triangle", "feature", "is_inside"}, r.distance,
-                  r.position, r.weights, r.triangle, r.feature, r.is_inside);
+  return dtype_of(r, {"distance", "position", "weights", "triangle", "feature", "is_inside"}, r.distance, r.position,
+                  r.weights, r.triangle, r.feature, r.is_inside);
 }
 
 nb::object contact_dtype() {
@@ -132,8 +131,8 @@ nb::object path_impact_dtype() {
 
 nb::object path_distance_dtype() {
   const PathDistanceRecord r{};
-  return dtype_of(r, {"lower", "upper", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distance_count"}, r.lower,
-                  r.upper, r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distance_count);
+  return dtype_of(r, {"lower", "upper", "time", "point_a", "point_b", "triangle_a", "triangle_b", "distance_count"},
+                  r.lower, r.upper, r.time, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.distance_count);
 }
 
 nb::object solid_relation_dtype() {
@@ -158,7 +157,7 @@ Witness witness_or_nowhere(const std::optional<Witness>& witness) {
 SurfacePointRecord surface_point_record(const std::optional<SurfacePoint>& closest) {
   if (!closest) {
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    return {infinite, nowhere, {not_a_number, not_a_number, not_a_number}, no_id, {}, false};
+    return {infinite, nowhere, nowhere, no_id, {}, false};
   }
   return {closest->distance, closest->position, closest->weights, closest->triangle, closest->feature, false};
 }
@@ -177,7 +176,9 @@ CollideRecord record_of(const CollideResult& r) {
   return {w.point_a, w.point_b, w.triangle_a, w.triangle_b, r.is_yes(), answer, stopped_by};
 }
 
-ClosestObjectsRecord record_of(const ClosestObjectsResult& c) { return {record_of(c.result), c.objects.a, c.objects.b}; }
+ClosestObjectsRecord record_of(const ClosestObjectsResult& c) {
+  return {record_of(c.result), c.objects.a, c.objects.b};
+}
 
 CloseObjectsRecord record_of(const AnyWithinResult& c) {
   const CollideRecord r = record_of(c.result);
@@ -224,7 +225,7 @@ std::string contact_fields() {
 std::string surface_point_fields() {
   return fields({{"distance", docs::SurfacePoint_distance},
                  {"position", "the point of the model, in the world"},
-                 {"weights", docs::SurfacePoint_barycentric},
+                 {"weights", docs::SurfacePoint_weights},
                  {"triangle", "the triangle that it lies on"},
                  {"feature", feature_text}});
 }

@@ -75,7 +75,7 @@ struct PathDistanceRecord {
 struct SurfacePointRecord {
   double distance;  // infinite if nothing is that close
   Vec3 position;
-  std::array<double, 3> weights;
+  Vec3 weights;
   TriangleId triangle;
   Feature feature;
   bool is_inside;  // of signed distances only
@@ -166,12 +166,9 @@ RecordArray recorded(const std::vector<Result>& results, nb::handle dtype) {
   return array_of(std::span<const Record>(records), dtype);
 }
 
-/// Three numbers.
-template <typename T>
-concept Triple = std::is_same_v<T, Vec3> || std::is_same_v<T, std::array<double, 3>>;
-template <Triple T>
-FloatArray array_of(const T& triple) {
-  return array_of(std::span<const T>(&triple, 1), nb::str("float64"), {3});
+/// Three coordinates.
+inline FloatArray array_of(const Vec3& vector) {
+  return array_of(std::span<const Vec3>(&vector, 1), nb::str("float64"), {3});
 }
 /// Rows of three coordinates.
 FloatArray array_of(std::span<const Vec3> vectors);

@@ -94,7 +94,7 @@ void bind_points_found(nb::module_& m) {
       .field("distance", &SurfacePoint::distance, docs::SurfacePoint_distance)
       .field("position", &SurfacePoint::position, "The point of the model, in the world.")
       .field("triangle", &SurfacePoint::triangle, "The triangle that it lies on.")
-      .field("weights", &SurfacePoint::weights, docs::SurfacePoint_barycentric)
+      .field("weights", &SurfacePoint::weights, docs::SurfacePoint_weights)
       .field("feature", &SurfacePoint::feature, docs::SurfacePoint_feature);
   ValueClass<PointResult>(m, "PointResult", "What closest_point() has found.")
       .field("closest", &PointResult::closest, docs::PointResult_closest)

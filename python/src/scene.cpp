@@ -78,8 +78,8 @@ IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double 
 }
 
 ClosestObjectResult closest_object_of(SceneObject& self, nb::handle_t<BodyObject> model, const PoseLike& pose,
-                                double relative_error, double absolute_error, double max_distance,
-                                const SingleObjectFilter& filter, const BudgetObject* budget) {
+                                      double relative_error, double absolute_error, double max_distance,
+                                      const SingleObjectFilter& filter, const BudgetObject* budget) {
   auto& object = nb::cast<BodyObject&>(model);
   const Reading model_guard = reading(object);
   const Placed placed(object.body(), pose_from(pose, "pose"));
@@ -93,8 +93,8 @@ ClosestObjectResult closest_object_of(SceneObject& self, nb::handle_t<BodyObject
 }
 
 ObjectImpactResult object_impact_of(SceneObject& self, nb::handle_t<BodyObject> body, const RigidMotion& motion,
-                              double max_time, double min_separation, std::optional<double> distance_error,
-                              const SingleObjectFilter& filter, const BudgetObject* budget) {
+                                    double max_time, double min_separation, std::optional<double> distance_error,
+                                    const SingleObjectFilter& filter, const BudgetObject* budget) {
   auto& object = nb::cast<BodyObject&>(body);
   const Reading model_guard = reading(object);
   const SingleFilter which(filter);
@@ -107,7 +107,7 @@ ObjectImpactResult object_impact_of(SceneObject& self, nb::handle_t<BodyObject> 
 }
 
 AnyWithinResult any_within_of(SceneObject& self, double max_distance, const ObjectFilter& filter,
-                           const BudgetObject* budget) {
+                              const BudgetObject* budget) {
   const Filter which(filter);
   return self.read([&](const Scene& scene) {
     return without_gil_unless(which.needs_gil(), [&] {
@@ -167,8 +167,9 @@ RecordArray pair_distances(SceneObject& self, const ArrayLike& pairs, double rel
       });
 }
 
-ClosestObjectsResult closest_objects_of(SceneObject& self, double relative_error, double absolute_error, double max_distance,
-                                  const ObjectFilter& filter, SceneCacheObject* cache, const BudgetObject* budget) {
+ClosestObjectsResult closest_objects_of(SceneObject& self, double relative_error, double absolute_error,
+                                        double max_distance, const ObjectFilter& filter, SceneCacheObject* cache,
+                                        const BudgetObject* budget) {
   const Filter which(filter);
   const Used used(cache);
   return self.read([&](const Scene& scene) {
@@ -201,16 +202,16 @@ std::string asked_documentation(const char* dtype) {
 void bind_scene(nb::module_& m) {
   ValueClass<ClosestObjectsResult>(m, "ClosestObjectsResult", docs::ClosestObjectsResult)
       .field("objects", &ClosestObjectsResult::objects, "The ids of the two, or None if the result has no witness.")
-      .field("result", &ClosestObjectsResult::result, docs::ClosestObjects_result);
+      .field("result", &ClosestObjectsResult::result, docs::ClosestObjectsResult_result);
   ValueClass<AnyWithinResult>(m, "AnyWithinResult", docs::AnyWithinResult)
       .field("objects", &AnyWithinResult::objects, "The ids of the two, or None unless the answer is yes.")
-      .field("result", &AnyWithinResult::result, docs::CloseObjects_result);
+      .field("result", &AnyWithinResult::result, docs::AnyWithinResult_result);
   ValueClass<ClosestObjectResult>(m, "ClosestObjectResult", docs::ClosestObjectResult)
       .id_or_none("object", &ClosestObjectResult::object, "Its id, or None if the result has no witness.")
-      .field("result", &ClosestObjectResult::result, docs::ClosestObject_result);
+      .field("result", &ClosestObjectResult::result, docs::ClosestObjectResult_result);
   ValueClass<ObjectImpactResult>(m, "ObjectImpactResult", docs::ObjectImpactResult)
       .id_or_none("object", &ObjectImpactResult::object, "Its id, or None if the result has no witness.")
-      .field("result", &ObjectImpactResult::result, docs::ObjectImpact_result);
+      .field("result", &ObjectImpactResult::result, docs::ObjectImpactResult_result);
   nb::class_<ObjectPairMatrix>(m, "ObjectPairMatrix", docs::ObjectPairMatrix)
       .def(nb::init<std::size_t, bool>(), "size"_a, "counts"_a = true,
            "All pairs of ids below `size` count, or none does.")

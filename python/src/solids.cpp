@@ -84,7 +84,9 @@ SeparatingTranslation separating_of(ClosedSurfaceObject& a, ClosedSurfaceObject&
 SolidDistance signed_distance_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                                  const PoseLike& pose_b, double relative_error, const BudgetObject* budget) {
   const SolidDistanceOptions options{relative_error, budget_of(budget)};
-  return SurfacePair(a, b, pose_a, pose_b).ask([&](const auto&... bodies) { return signed_distance(a, b, options); });
+  return SurfacePair(a, b, pose_a, pose_b).ask([&](const PlacedSurface& placed_a, const PlacedSurface& placed_b) {
+    return signed_distance(placed_a, placed_b, options);
+  });
 }
 
 void bind_relations(nb::module_& m) {

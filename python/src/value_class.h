@@ -22,7 +22,7 @@ namespace limber::python {
 /// A field as it is compared, written and pickled: three numbers are a tuple, everything else is what Python gets.
 template <typename Field>
 nb::object plain(const Field& field) {
-  if constexpr (Triple<Field>) {
+  if constexpr (std::is_same_v<Field, Vec3>) {
     const auto& [x, y, z] = field;
     return nb::make_tuple(x, y, z);
   } else if constexpr (std::is_same_v<Field, ObjectPair>) {
@@ -35,7 +35,7 @@ nb::object plain(const Field& field) {
 /// The reverse of plain(). Throws nb::python_error or nb::cast_error for something else.
 template <typename Field>
 void assign(Field& field, nb::handle value) {
-  if constexpr (Triple<Field>) {
+  if constexpr (std::is_same_v<Field, Vec3>) {
     field = {nb::cast<double>(value[0]), nb::cast<double>(value[1]), nb::cast<double>(value[2])};
   } else if constexpr (std::is_same_v<Field, ObjectPair>) {
     if (!value.is_none()) field = {nb::cast<ObjectId>(value[0]), nb::cast<ObjectId>(value[1])};
@@ -106,7 +106,7 @@ class ValueClass {
   ValueClass& field(const char* name, Field Value::*member, const char* documentation) {
     const auto read = [member](const Value& value) { return plain(value.*member); };
     fields_->all.push_back({name, read, [member](Value& value, nb::handle from) { assign(value.*member, from); }});
-    if constexpr (Triple<Field>) {
+    if constexpr (std::is_same_v<Field, Vec3>) {
       class_.def_prop_ro(
           name, [member](const Value& value) { return array_of(value.*member); }, documentation);
     } else if constexpr (std::is_same_v<Field, ObjectPair>) {

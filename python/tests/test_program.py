@@ -101,7 +101,7 @@ def test_points(meshes: tuple[Path, Path], tmp_path: Path) -> None:
     model, pose = limber3d.load(meshes[0]), (TURNS[0], SHIFTS[0])
     surface = limber3d.ClosedSurface(model)
     for answer, point, record in zip(theirs, points, surface.signed_distance_many(points, pose)):
-        assert (answer["distance"], answer["inside"]) == (record["distance"], record["is_inside"])
+        assert (answer["distance"], answer["is_inside"]) == (record["distance"], record["is_inside"])
         assert answer["closest"]["point"] == record["position"].tolist()
         assert answer["closest"]["weights"] == record["weights"].tolist()
         assert answer["closest"]["triangle"] == record["triangle"]
