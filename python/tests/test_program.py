@@ -102,7 +102,7 @@ def test_points(meshes: tuple[Path, Path], tmp_path: Path) -> None:
     surface = limber3d.ClosedSurface(model)
     for answer, point, record in zip(theirs, points, surface.signed_distance_many(points, pose)):
         assert (answer["distance"], answer["is_inside"]) == (record["distance"], record["is_inside"])
-        assert answer["closest"]["point"] == record["position"].tolist()
+        assert answer["closest"]["position"] == record["position"].tolist()
         assert answer["closest"]["weights"] == record["weights"].tolist()
         assert answer["closest"]["triangle"] == record["triangle"]
         assert answer["winding_number"] == limber3d.generalized_winding_number(model, point, pose)
