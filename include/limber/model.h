@@ -212,9 +212,12 @@ class Body {
   bool is_solid() const { return is_solid_; }
 
  private:
+  friend struct Access;  // for the library's own use
+
   const Model* model_;
   double radius_ = 0;
   bool is_solid_ = false;
+  bool is_in_one_piece_ = false;  // whether all triangles are known to be connected by common vertices
 };
 
 /// A body and where it stands: most often a model or a shape. Keeps a pointer: the model must outlive it.

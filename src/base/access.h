@@ -19,6 +19,11 @@ struct Access {
     return object.impl();
   }
 
+  template <typename Body>
+  static bool is_in_one_piece(const Body& body) {
+    return body.is_in_one_piece_;
+  }
+
   /// The model of a placed closed surface.
   ///
   /// Throws   std::invalid_argument if the model has been reset() since its surface was created.

@@ -4,8 +4,10 @@
 
 #include <utility>
 
+#include "base/access.h"
 #include "base/check.h"
 #include "base/error_bounds.h"
+#include "bvh/root_bounds.h"
 #include "bvh/slot_stack.h"
 #include "point/closest_point.h"
 #include "point/placed_model.h"
@@ -22,6 +24,8 @@ class InsideSearch {
         solid_(solid),
         closest_(solid),
         stats_(stats),
+        center_of_solid_(bvh::slot_center(solid.tree(), bvh::root_slot)),
+        radius_of_solid_(bvh::root_radius(solid.tree())),
         error_(base::placement_error * (model.magnitude() + solid.magnitude())) {}
 
   /// Whether a vertex has been found; unknown if the budget has been spent first.
@@ -30,10 +34,13 @@ class InsideSearch {
     bvh::SlotStack waiting;
     waiting.start(0);
     for (bvh::SlotStack::Entry next; waiting.take(0, next);) {
+      const Vec3 center = center_of(next.slot);
+      const double radius = radius_of(next.slot);
+      if (is_off_solid(center, radius)) continue;
       if (meter.is_spent(steps)) return Answer::unknown;
       ++steps;
-      if (!meets_surface(next.slot)) {
-        const Vec3 center = center_of(next.slot);
+      // A volume as large as the solid that is next to it most likely meets its surface.
+      if (radius < radius_of_solid_ && !meets_surface(center, radius)) {
         if (!is_inside(center)) continue;
         take(bvh::first_leaf(tree, next.slot).leaf, 0);
         return Answer::yes;
@@ -46,9 +53,11 @@ class InsideSearch {
       const bvh::Leaf& leaf = bvh::leaf_of(tree, next.slot);
       for (std::uint32_t k = 0; k < bvh::width; ++k) {
         if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) continue;  // the slot is not in use
+        const Vec3 corner = model_.position(leaf.vertices[k][0]);
+        if (is_off_solid(corner, 0)) continue;
         if (meter.is_spent(steps)) return Answer::unknown;
         ++steps;
-        if (!is_inside(model_.position(leaf.vertices[k][0]))) continue;
+        if (!is_inside(corner)) continue;
         take(leaf, k);
         return Answer::yes;
       }
@@ -71,12 +80,21 @@ class InsideSearch {
  private:
   Vec3 center_of(bvh::SlotId slot) const { return model_.pose()(bvh::slot_center(model_.tree(), slot)); }
 
-  bool meets_surface(bvh::SlotId slot) {
+  double radius_of(bvh::SlotId slot) const {
     const bvh::Tree& tree = model_.tree();
     const double units = tree.nodes[bvh::node_of(slot)].bounds.radius[bvh::slot_of(slot)];
-    const double radius = (tree.unit * units + tree.slack) * (1 + base::rigidity_error) + 2 * error_;
-    LIMBER_ASSERT(radius >= 0);
-    return closest_.find(center_of(slot), radius, stats_, radius).has_value();
+    return (tree.unit * units + tree.slack) * (1 + base::rigidity_error) + 2 * error_;
+  }
+
+  /// Whether a ball certainly has no point in common with the box around the solid, nor with its slab.
+  bool is_off_solid(const Vec3& center, double radius) {
+    ++stats_.node_tests;
+    const Vec3 point = solid_.in_model(center) - center_of_solid_;
+    const double rounding = (bvh::sum_of_coordinates(point) + radius) * base::root_error + error_;
+    return bvh::root_gap(solid_.tree(), point) > radius + rounding;
+  }
+  bool meets_surface(const Vec3& center, double radius) {
+    return closest_.find(center, radius, stats_, radius).has_value();
   }
   bool is_inside(const Vec3& point) {
     const point::Surrounding surrounding = point::surrounding_of(solid_, point, stats_);
@@ -89,7 +107,8 @@ class InsideSearch {
   const point::PlacedModel &model_, &solid_;
   point::ClosestPointSearch closest_;
   QueryStats& stats_;
-  double error_;
+  Vec3 center_of_solid_;  // of the box around it, in its own frame
+  double radius_of_solid_, error_;
   Vec3 vertex_;
   TriangleId triangle_ = no_id;
 };
@@ -108,6 +127,7 @@ Containment find_containment(const Placed& a, const Placed& b, std::uint64_t ste
     return Containment{Answer::yes, Witness{search.vertex(), search.vertex(), of_a, of_b}};
   };
   // Where one is inside of the other as a whole, its first vertex tells; to look at all of the outer one may take long.
+  // What is in one piece is inside as a whole or not at all, since the surfaces do not meet.
   for (const bool is_in_a : {true, false}) {
     if (!is_solid(is_in_a)) continue;
     if (meter.is_spent(steps)) return {Answer::unknown, {}};
@@ -116,7 +136,7 @@ Containment find_containment(const Placed& a, const Placed& b, std::uint64_t ste
     if (search.begins_inside()) return found(search, is_in_a);
   }
   for (const bool is_in_a : {true, false}) {
-    if (!is_solid(is_in_a)) continue;
+    if (!is_solid(is_in_a) || Access::is_in_one_piece((is_in_a ? b : a).body())) continue;
     InsideSearch& search = searches[is_in_a ? 0 : 1];
     const Answer answer = search.run(steps, meter);
     if (answer == Answer::yes) return found(search, is_in_a);

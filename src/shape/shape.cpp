@@ -92,7 +92,12 @@ Body::Body(const Model& model, double radius) : model_(&model), radius_(radius) 
                  "limber::Body: the radius must be finite, at least 0 and at most max_coordinate");
 }
 
-Body::Body(const Shape& shape) : model_(&shape.model()), radius_(shape.radius()), is_solid_(shape.is_solid()) {}
+// Solid shapes are convex.
+Body::Body(const Shape& shape)
+    : model_(&shape.model()),
+      radius_(shape.radius()),
+      is_solid_(shape.is_solid()),
+      is_in_one_piece_(shape.is_solid()) {}
 
 Shape::Shape(Mesh core, double radius, bool is_solid, double deviation)
     : model_(std::make_unique<const Model>(std::move(core))),
