@@ -217,8 +217,8 @@ LIMBER_API PairCount self_closest_pairs(const Model& model, std::span<Contact> c
 ///   limber::self_contacts(cloth, 0.002, found, {.filter = rings});
 ///
 /// Two triangles are near if a vertex of one and a vertex of the other are joined by a path of at most `max_edges`
-/// edges of triangles; with 0 edges, if they share a vertex. Vertices are told apart by their ids. Near triangles do not
-/// count, not even where they intersect.
+/// edges of triangles; with 0 edges, if they share a vertex. Vertices are told apart by their ids. Near triangles do
+/// not count, not even where they intersect.
 ///
 /// Threads  Const functions may run concurrently.
 class NeighborRings {
