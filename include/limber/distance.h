@@ -74,8 +74,8 @@ struct Witness {
 
 /// Work done by one query.
 struct QueryStats {
-  std::uint64_t node_tests = 0;       ///< pairs of bounding volumes compared
-  std::uint64_t primitive_tests = 0;  ///< pairs of triangles compared
+  std::uint64_t node_tests = 0;       ///< bounding volumes compared
+  std::uint64_t primitive_tests = 0;  ///< pairs of triangles compared; of elements where the query is about these
 };
 
 /// What a query of two models has found, for the next query of the same two to start from: the two triangles of its

@@ -87,7 +87,7 @@ struct [[nodiscard]] PathImpact {
   double time = 0;
   std::optional<Witness> witness;  ///< the closest points at `time`, if they touch; any so near if the budget is spent
   Vec3 normal;                     ///< that of contact_of() for the witness (gradients.h), from a to b; 0 without one
-  std::uint64_t distance_count = 0;  ///< that were asked for
+  std::uint64_t distance_count = 0;  ///< how many distances were asked for
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 };
@@ -115,7 +115,7 @@ struct [[nodiscard]] PathDistance {
   double upper = std::numeric_limits<double>::infinity();  ///< so far apart at `time`
   double time = 0;
   std::optional<Witness> witness;    ///< the closest points at `time`
-  std::uint64_t distance_count = 0;  ///< that were asked for
+  std::uint64_t distance_count = 0;  ///< how many distances were asked for
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 };

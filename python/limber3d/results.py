@@ -30,7 +30,9 @@ class _Records:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> numpy.typing.NDArray[Any]:
         array = numpy.asarray(self.records, dtype)
-        return array.copy() if copy else array
+        if copy is False and array is not self.records:
+            raise ValueError("records of another type are a copy")
+        return array.copy() if copy and array is self.records else array
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

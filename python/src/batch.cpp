@@ -200,8 +200,8 @@ void run_time_of_impact(MotionBatch& batch, const RecordArray& records, std::siz
   batch.run(records, begin, end, [&](const auto&... moving) { return time_of_impact(moving..., options); });
 }
 
-void run_least_distance(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
-                        double max_time, std::optional<double> distance_error) {
+void run_min_distance(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
+                      double max_time, std::optional<double> distance_error) {
   const PathOptions options{max_time, 0, distance_error};
   batch.run(records, begin, end, [&](const auto&... moving) { return min_distance(moving..., options); });
 }
@@ -237,8 +237,8 @@ void bind_batch(nb::module_& m) {
            "center_a"_a.none(), "center_b"_a.none(), "threads"_a.none())
       .def("time_of_impact", &run_time_of_impact, "records"_a, "begin"_a, "end"_a, "max_time"_a, "min_separation"_a,
            "distance_error"_a.none(), "Writes the first contacts of motions begin to end.")
-      .def("min_distance", &run_least_distance, "records"_a, "begin"_a, "end"_a, "max_time"_a,
-           "distance_error"_a.none(), "Writes the least distances of motions begin to end.");
+      .def("min_distance", &run_min_distance, "records"_a, "begin"_a, "end"_a, "max_time"_a, "distance_error"_a.none(),
+           "Writes the least distances of motions begin to end.");
   m.def("set_thread_limit", &set_thread_limit, "count"_a.none(),
         "Limits the threads that builds, commits, batches and scenes use in this process, to 1 to 4096; None ends the "
         "limit.\n\n"

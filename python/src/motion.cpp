@@ -198,9 +198,9 @@ PathImpact path_impact_of(BodyObject& a, const RigidMotion& motion_a, BodyObject
   return without_gil([&] { return time_of_impact(a.body(), motion_a, b.body(), motion_b, options); });
 }
 
-PathDistance least_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
-                               double max_time, std::optional<double> distance_error, const BudgetObject* budget,
-                               QueryCacheObject* cache) {
+PathDistance min_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
+                             double max_time, std::optional<double> distance_error, const BudgetObject* budget,
+                             QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
   const PathOptions options{max_time, 0, distance_error, used.get(), budget_of(budget)};
@@ -346,7 +346,7 @@ void bind_rigid_motions(nb::module_& m) {
       .def("speed", &RigidMotion::speed, "radius"_a, docs::RigidMotion_speed);
   m.def("time_of_impact", &path_impact_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
         "min_separation"_a = 0.0, "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none());
-  m.def("min_distance", &least_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
+  m.def("min_distance", &min_distance_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,
         "distance_error"_a = nb::none(), "budget"_a = nb::none(), "cache"_a = nb::none(), docs::min_distance);
 }
 

@@ -73,7 +73,7 @@ nb::object closest_objects_dtype() {
 }
 
 nb::object any_within_dtype() {
-  const CloseObjectsRecord r{};
+  const AnyWithinRecord r{};
   return dtype_of(
       r, {"object_a", "object_b", "is_yes", "answer", "point_a", "point_b", "triangle_a", "triangle_b", "stopped_by"},
       r.object_a, r.object_b, r.is_yes, r.answer, r.point_a, r.point_b, r.triangle_a, r.triangle_b, r.stopped_by);
@@ -180,7 +180,7 @@ ClosestObjectsRecord record_of(const ClosestObjectsResult& c) {
   return {record_of(c.result), c.objects.a, c.objects.b};
 }
 
-CloseObjectsRecord record_of(const AnyWithinResult& c) {
+AnyWithinRecord record_of(const AnyWithinResult& c) {
   const CollideRecord r = record_of(c.result);
   return {r.point_a, r.point_b, r.triangle_a, r.triangle_b, c.objects.a, c.objects.b, r.is_yes, r.answer, r.stopped_by};
 }

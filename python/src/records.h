@@ -45,7 +45,7 @@ struct ClosestObjectsRecord {
 };
 
 /// One answer of any_within().
-struct CloseObjectsRecord {
+struct AnyWithinRecord {
   Vec3 point_a, point_b;  // not a number without a witness
   TriangleId triangle_a, triangle_b;
   ObjectId object_a, object_b;
@@ -91,7 +91,7 @@ struct SolidRelationRecord {
 DistanceRecord record_of(const DistanceResult& result);
 CollideRecord record_of(const CollideResult& result);
 ClosestObjectsRecord record_of(const ClosestObjectsResult& closest);
-CloseObjectsRecord record_of(const AnyWithinResult& close);
+AnyWithinRecord record_of(const AnyWithinResult& close);
 PathImpactRecord record_of(const PathImpact& result);
 PathDistanceRecord record_of(const PathDistance& result);
 SurfacePointRecord record_of(const PointResult& result);

@@ -20,12 +20,12 @@ using Made = std::unique_ptr<ShapeObject>;
 
 Made made(Shape shape) { return std::make_unique<ShapeObject>(std::move(shape)); }
 
-Made capsule(const ArrayLike& from, const ArrayLike& to, double radius) {
-  return made(Shape::capsule(point_from(from, "start"), point_from(to, "end"), radius));
+Made capsule(const ArrayLike& start, const ArrayLike& end, double radius) {
+  return made(Shape::capsule(point_from(start, "start"), point_from(end, "end"), radius));
 }
 
-Made cylinder(const ArrayLike& from, const ArrayLike& to, double radius, double max_error) {
-  return made(Shape::cylinder(point_from(from, "start"), point_from(to, "end"), radius, max_error));
+Made cylinder(const ArrayLike& start, const ArrayLike& end, double radius, double max_error) {
+  return made(Shape::cylinder(point_from(start, "start"), point_from(end, "end"), radius, max_error));
 }
 
 Made convex_hull(const ArrayLike& points, double radius) {

@@ -40,14 +40,14 @@ PairCount count_all(const pair::PlacedPair& placed, Collector& collector, const 
   return result;
 }
 
-bool parallel(const PairOptions& options) {
+bool runs_in_parallel(const PairOptions& options) {
   return options.parallel && base::has_several_threads() && !base::is_limited(options.budget);
 }
 
 template <typename Pairs>
 PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit,
                               const PairOptions& options) {
-  if (parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit);
+  if (runs_in_parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit);
   pair::AllIntersections<Pairs> collector(pairs, visit);
   return count_all(placed, collector, options.budget);
 }
@@ -55,7 +55,7 @@ PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs
 template <typename Pairs>
 PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit,
                          const PairOptions& options) {
-  if (parallel(options)) return pair::visit_contacts_in_parts(placed, pairs, margin, visit);
+  if (runs_in_parallel(options)) return pair::visit_contacts_in_parts(placed, pairs, margin, visit);
   pair::PairsWithin<Pairs> collector(pairs, margin, visit);
   return count_all(placed, collector, options.budget);
 }

@@ -86,7 +86,7 @@ class InsideSearch {
     return (tree.unit * units + tree.slack) * (1 + base::rigidity_error) + 2 * error_;
   }
 
-  /// Whether a ball certainly has no point in common with the box around the solid, nor with its slab.
+  /// Whether a ball certainly misses the box around the solid, or its slab: then it is outside.
   bool is_off_solid(const Vec3& center, double radius) {
     ++stats_.node_tests;
     const Vec3 point = solid_.in_model(center) - center_of_solid_;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The generalised winding number, as a sum over all triangles.
+// The generalized winding number, as a sum over all triangles.
 #include <algorithm>
 #include <numbers>
 

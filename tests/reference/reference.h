@@ -113,7 +113,7 @@ PointResult closest_point(const Placed& mesh, const Vec3& point, const PointOpti
 /// Cost     O(n).
 bool contains(const Placed& mesh, const Vec3& point);
 
-/// The generalised winding number.
+/// The generalized winding number.
 ///
 /// Throws   As above.
 /// Cost     O(n).

@@ -59,7 +59,7 @@ import { Owner, check, engine, number, ownedAddress, point, word } from "./wasm.
  *
  * @typedef {object} QueryStats
  * @property {number} nodeTests pairs of bounding volumes compared
- * @property {number} primitiveTests pairs of triangles compared
+ * @property {number} primitiveTests pairs of triangles compared; of elements where the query is about these
  */
 
 /**

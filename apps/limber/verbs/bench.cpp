@@ -123,9 +123,10 @@ Times are in microseconds for one query. A pose has the median of up to 5 rounds
 Answers are compared first: with a cache and without, collisions, intervals, limits, contacts and closest points with
 exact distances, refitted with new trees. If two disagree, the exit status is 1, and the error names the pose.
 
-Half of --time is for drawing poses and comparing answers: none is begun that does not fit, if it takes as long as those
-before. No question is asked once the time is spent, but for this: one pose is drawn, its answers are compared, and each
-of its questions is asked once, however long that takes. Reading files and building their trees comes before the time.
+Half of --time is for drawing poses and comparing answers: no pose is begun that would not end within it, if it took as
+long as those before. No question is asked once the time is spent, but for this: one pose is drawn, its answers are
+compared, and each of its questions is asked once, however long that takes. Reading files and building their trees comes
+before the time.
 )";
 
 }  // namespace

@@ -251,15 +251,16 @@ start with # are skipped.
 The answer is CSV with a header, or with --json an object for each frame. lower <= true distance <= upper; where the
 models are farther apart than --max-distance, status is beyond_limit, and upper and the witness are empty in CSV and
 null in JSON. Times are in microseconds: update_us is for moving vertices and refitting trees, without reading files,
-and with --continuous for setting motions. Whether one model lies inside the other is looked at with --depth alone.
+and with --continuous for setting motions. Only --depth tells whether one model lies inside the other.
 
 --min-clearance adds the column too_close after primitive_tests. It is decided as for an exact distance, whatever the
 errors asked for. With --continuous it is true, too, where the models touch on the way from the frame before, and with
 --depth where a vertex of one is in the other. How near they come between frames otherwise is not looked at; --path-a of
 limber distance is for rigid models.
 
---depth adds the column max_depth after that: how far the deepest vertex of either model in the other is from that one's
-surface, as limber distance has it; 0 where no vertex is. Its time is in no column. Both models have to be closed.
+--depth adds the column max_depth after that, as limber distance has it: how far the deepest vertex of one model, inside
+of the other, is from the other's surface; 0 where no vertex is inside. Its time is in no column. Both models have to be
+closed.
 
 --report writes one HTML file that needs no network: the frames in 3D with the closest points, to be played, and charts
 of the distance, of times, and of contacts where they are counted, with impacts between frames. With --min-clearance it
@@ -306,7 +307,8 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
   add_distance_options(command, arguments->query);
   add_min_clearance(command, arguments->min_clearance,
                     "exit with 3 instead of 0 when the models are closer than this length in a frame, or with "
-                    "--continuous touch between two; at most --max-distance");
+                    "--continuous touch between two, or with --depth a vertex of one is in the other; at most "
+                    "--max-distance");
   add_deforming(command, arguments->model);
   command.add_flag("--depth", arguments->depth, "fast: also how deep closed models are in each other");
   command.add_flag("--contacts", arguments->contacts,
