@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <limits>
 #include <optional>
 #include <span>
@@ -124,7 +123,6 @@ class ClosedSurface {
 
  private:
   friend struct Access;  // for the library's own use
-  friend class Body;
   explicit ClosedSurface(const Model& model);
   Placed placed(const Transform& world_from_model) const;
 

@@ -27,8 +27,8 @@ namespace limber {
 /// Frame    The shape's own. A pose places it, as it does a model.
 /// Throws   Factories throw std::invalid_argument unless all lengths, coordinates and radii are finite, at most
 ///          `max_coordinate` in size and, where they are sizes, >= 0; also std::bad_alloc.
-/// Moved    A shape that has been moved from may be destroyed and assigned to. Bodies that were made of it are those of
-///          the shape that it was moved to.
+/// Moved    A shape that has been moved from may be destroyed and assigned to. Bodies that were made of it stay
+///          valid, as long as the shape that it was moved to lives.
 /// Threads  Const functions, queries included, may run concurrently on one shape.
 class [[nodiscard]] Shape {
  public:

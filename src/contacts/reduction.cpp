@@ -93,7 +93,7 @@ void check(std::span<const Contact> contacts, double radius, const ReductionOpti
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const auto text = [i](const char* what) { return "limber::reduce_contacts: contact " + std::to_string(i) + what; };
     LIMBER_REQUIRE(is_all_finite(contacts[i]), text(" has a number that is not finite").c_str());
-    // That of a contact that was never written.
+    // A contact that was never written has a normal of length 0.
     LIMBER_REQUIRE(contacts[i].normal != Vec3{}, text(" has a normal of length 0").c_str());
     // Long ones would make patches at one place many, and spread out their contacts.
     LIMBER_REQUIRE(length_sq(contacts[i].normal) <= 1 + 0x1p-20, text(" has a normal longer than 1").c_str());

@@ -127,7 +127,7 @@ Containment find_containment(const Placed& a, const Placed& b, std::uint64_t ste
     return Containment{Answer::yes, Witness{search.vertex(), search.vertex(), of_a, of_b}};
   };
   // Where one is inside of the other as a whole, its first vertex tells; to look at all of the outer one may take long.
-  // What is in one piece is inside as a whole or not at all, since the surfaces do not meet.
+  // A core in one piece is inside as a whole or not at all, since the surfaces do not meet: its first vertex is enough.
   for (const bool is_in_a : {true, false}) {
     if (!is_solid(is_in_a)) continue;
     if (meter.is_spent(steps)) return {Answer::unknown, {}};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // ClosedSurface.
+#include "base/access.h"
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
@@ -39,7 +40,7 @@ Placed ClosedSurface::placed(const Transform& world_from_model) const {
   return {*model_, world_from_model};
 }
 
-Body::Body(const ClosedSurface& solid) : model_(&solid.placed({}).model()), is_solid_(true) {}
+Body::Body(const ClosedSurface& solid) : model_(&Access::placed(PlacedSurface(solid)).model()), is_solid_(true) {}
 
 bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
   return winding_number(point, world_from_model).value_or(1) != 0;

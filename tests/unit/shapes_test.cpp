@@ -11,6 +11,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "limber/elements.h"
@@ -258,6 +259,15 @@ TEST(Shapes, ErrorsNameTheArgument) {
             "limber::Shape::point_cloud: point 1 has a coordinate that is not finite, or above 2^200");
   EXPECT_EQ(text_of([] { static_cast<void>(Shape::sphere(-1)); }),
             "limber::Shape::sphere: radius must be at least 0 and at most 2^200");
+}
+
+TEST(Shapes, LeaveBodiesValidWhenTheyAreMoved) {
+  Shape shape = Shape::box({1, 1, 1}, 0.5);
+  const Body body(shape);
+  const Shape moved = std::move(shape), ball = Shape::sphere(0.25);
+  EXPECT_EQ(&body.model(), &moved.model());
+  EXPECT_NEAR(distance({body}, {ball, {{}, {3, 0, 0}}}).upper, 1.25, 1e-15);
+  EXPECT_TRUE(collide({body}, {ball}).is_yes());
 }
 
 TEST(Shapes, AreRefusedWhereTheirRadiusWouldBeLost) {

@@ -17,9 +17,9 @@ clash is hard_clash (the volumes overlap, or one model is enclosed in the other)
 volumes do not overlap), clearance (apart, but closer than --min-clearance) or clear. It is decided exactly where both
 models are closed: every edge belongs to two triangles, which run through it in opposite directions. Then solids is how
 the volumes lie: apart, touching, overlapping, a_inside_b, b_inside_a or equal. Where a model is not closed and no more
-is known, clash is surfaces_meet or surfaces_apart. A hard clash is below any clearance. Where closed models are one,
-max_depth is how far the deepest vertex of one model, inside of the other, is from the other's surface; 0 where no
-vertex is inside. Its time is not in query_us.
+is known, clash is surfaces_meet or surfaces_apart. A hard clash is below any clearance. For a hard clash of closed
+models, max_depth is how far the deepest vertex of one model, inside of the other, is from the other's surface; 0 where
+no vertex is inside. Its time is not in query_us.
 )";
 
 /// How two models lie to each other, besides their distance.
