@@ -14,7 +14,7 @@ name=limber-$version
 
 # The README's way to install, its Python package and its first programs, from the archive.
 try_readme() {
-  bare_root bookworm release g++ cmake ninja-build python3-venv python3-dev libhwy-dev libtbb-dev libboost-dev \
+  bare_root bookworm release g++ make cmake ninja-build python3-venv python3-dev libhwy-dev libtbb-dev libboost-dev \
     nlohmann-json3-dev libcli11-dev libfmt-dev
   local place=$root/build/roots/release/root
   tar -xf "$folder/$name.tar.gz" -C "$place"
