@@ -42,7 +42,7 @@ try() {
   cp -- "$folder"/*.deb "$root/build/roots/$name/packages/"
   rm -f -- "$root/build/roots/$name"/packages/*-dbgsym_*
   block README.md python '^## Python' >"$root/build/roots/$name/root/first.py"
-  expect_answer "$name" "$(block docs/guide/install.md sh '^### Debian')" 2.0
+  expect_answer "$name" "$(block docs/guide/install.md sh '^### Debian')" "2.0 Witness"
   say "Debian's packages answer on Debian $1"
 }
 

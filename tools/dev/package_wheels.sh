@@ -112,7 +112,7 @@ try() {
   fi
   cp -- "$folder"/*x86_64.whl "$root/build/roots/$name/packages/"
   block README.md python '^## Python' >"$root/build/roots/$name/root/first.py"
-  expect_answer "$name" "$(block docs/guide/install.md sh '^### Wheel')" 2.0
+  expect_answer "$name" "$(block docs/guide/install.md sh '^### Wheel')" "2.0 Witness"
   say "the wheel answers on Debian $1 with CPython $2"
 }
 
@@ -129,7 +129,7 @@ try_arm() {
     --platform manylinux_2_28_aarch64 --platform manylinux_2_17_aarch64 --python-version 3.13 limber3d </dev/null
   block README.md python '^## Python' >"$place/root/first.py"
   found=$(PYTHONPATH=$place/root qemu-aarch64 -L "$place" "$place/usr/bin/python3" "$place/root/first.py" 2>&1)
-  [[ $found == *2.0* ]] || die "the wheel for 64-bit ARM answers $found"
+  [[ $found == "2.0 Witness"* ]] || die "the wheel for 64-bit ARM answers $found"
   say "the wheel answers on 64-bit ARM, on QEMU, with Debian's CPython 3.13"
 }
 
@@ -138,7 +138,7 @@ try_sources() {
   bare_root bookworm sdist python3-venv python3-dev g++ cmake ninja-build libhwy-dev libtbb-dev libboost-dev nlohmann-json3-dev
   cp -- "$folder"/*.tar.gz "$root/build/roots/sdist/packages/"
   block README.md python '^## Python' >"$root/build/roots/sdist/root/first.py"
-  expect_answer sdist "$(block docs/guide/install.md sh '^### Sources for pip')" 2.0
+  expect_answer sdist "$(block docs/guide/install.md sh '^### Sources for pip')" "2.0 Witness"
   say "the archive of sources builds and answers on Debian bookworm"
 }
 
