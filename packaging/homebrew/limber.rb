@@ -23,6 +23,6 @@ class Limber < Formula
 
   test do
     answer = shell_output("#{bin}/limber distance scene:square scene:ball --pose-b 0,0,3,1,0,0,0")
-    assert_match "distance", answer
+    assert_match "exact", answer
   end
 end

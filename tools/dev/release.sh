@@ -21,7 +21,8 @@ try_readme() {
   block README.md '' '^## Install' >"$place/install.sh"
   block README.md python '^## Python' >"$place/first.py"
   block README.md cpp '^## C' >"$place/$name/main.cpp"
-  expect_answer release "cd $name && . ../install.sh && ~/limber/bin/limber distance scene:square scene:ball --pose-b 0,0,3,1,0,0,0" distance
+  expect_answer release "cd $name && . ../install.sh && ~/limber/bin/limber distance scene:square scene:ball --pose-b 0,0,3,1,0,0,0" \
+    'lower     2'
   expect_answer release "python3 -m venv env && . env/bin/activate && cd $name && pip install . && python ../first.py" "2.0 Witness"
   block docs/guide/install.md cmake 'A project of yours' >"$place/CMakeLists.txt"
   mv -- "$place/$name/main.cpp" "$place/main.cpp"
