@@ -76,7 +76,7 @@ check() {
     [[ ! -e $file ]] || "$tools/abi3audit" --strict "$file"
   done
   for file in "$folder"/*.whl; do
-    "$tools/auditwheel" show "$file" | grep -Eq '"manylinux_2_(17|2[0-8])_' ||
+    [[ $("$tools/auditwheel" show "$file") =~ \"manylinux_2_(17|2[0-8])_ ]] ||
       die "auditwheel does not find $file to be what its name says"
     found=$(python3 -m zipfile -l "$file")
     [[ $found != *.libs/* ]] || die "$file has libraries beside the module"
