@@ -85,6 +85,18 @@ def test_two_clients_of_one_folder_do_no_harm(tmp_path: Path, expected: RecordAr
     assert same_bits(batch.read(tmp_path), expected)
 
 
+def test_a_client_may_come_while_another_opens_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    listdir = os.listdir
+
+    def later(folder: Path) -> list[str]:
+        monkeypatch.undo()
+        shared_batches.sweep(tmp_path)
+        return listdir(folder)
+
+    monkeypatch.setattr(os, "listdir", later)
+    assert shared_batches.sweep(tmp_path).found == PARTS
+
+
 def test_a_file_has_its_name_only_once_it_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, seen, replace = tmp_path / "part", list[bytes](), os.replace
 

@@ -112,6 +112,7 @@ def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | No
         if partition_size < 1:
             raise ValueError(f"partition_size: expected at least 1, got {partition_size}")
     folder.mkdir(parents=True, exist_ok=True)
+    names = os.listdir(folder)  # before the manifest is looked for: another client may write it and more meanwhile
     if (folder / MANIFEST).exists():
         theirs = read_manifest(folder)
         size: int = theirs["partition_size"] if partition_size is None else partition_size
@@ -122,7 +123,7 @@ def open_folder(folder: Path, manifest: dict[str, Any], partition_size: int | No
                     f"out: {folder} is the folder of another batch: {name} is {_text(theirs.get(name))} there, "
                     f"{_text(ours.get(name))} here"
                 )
-    elif any(name != TOKEN and not name.startswith(_TEMPORARY) for name in os.listdir(folder)):
+    elif any(name != TOKEN and not name.startswith(_TEMPORARY) for name in names):
         raise ValueError(f"out: {folder} is not empty, and has no {MANIFEST}")
     else:
         size = usual_size if partition_size is None else partition_size
