@@ -162,6 +162,11 @@ struct ImpactOptions {
   std::optional<ElementPairFilter> filter = std::nullopt;
   /// When the query has to end. Its steps count for the test for crossings and for the rest, each.
   QueryBudget budget = {};
+  /// Whether to search on all threads of the calling oneTBB arena: for large models. Answers, pairs and their order
+  /// stay the same, but `stats` of a first impact count work that one thread would save. The calling thread visits
+  /// pairs, after all have been found and stored. Several threads call the filter, also for pairs that one thread would
+  /// leave out. A query with a budget stays on one thread.
+  bool parallel = false;
 };
 
 /// When two models touch first.
@@ -189,9 +194,9 @@ struct [[nodiscard]] ImpactResult {
 ///          set. No contact is missed.
 /// Throws   std::invalid_argument unless both models have a motion that is still valid, and the options are what those
 ///          of elements have to be; std::bad_alloc from exact arithmetic; whatever the filter throws.
-/// Cost     Output-sensitive in practice, O(n m) at worst. 60 kB of stack. Allocates only in exact arithmetic. Where
-///          many elements touch at the same time, in one plane above all, each takes up to 50 us, unless a time_error
-///          says that they need not be told apart.
+/// Cost     Output-sensitive in practice, O(n m) at worst. 60 kB of stack. Allocates only in exact arithmetic, and if
+///          it is parallel. Where many elements touch at the same time, in one plane above all, each takes up to 50 us,
+///          unless a time_error says that they need not be told apart.
 /// Budget   If it is spent first, the status is `undecided`: nothing touches before `lower`, and if `upper` is finite,
 ///          the elements do touch by then. The test of one model for crossings at the start has no budget.
 /// Threads  Reentrant; any number of calls may share models.
@@ -255,7 +260,7 @@ using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
 ///
 /// Promise  None that does is missed. time_error, `ignore_crossings` and `any_contact` make no difference.
 /// Throws   As visit_impacts().
-/// Cost     As time_of_impact() without comparing elements. Allocates nothing.
+/// Cost     As time_of_impact() without comparing elements. Allocates nothing, unless it is parallel.
 /// Threads  Reentrant.
 LIMBER_API PairCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, ImpactCandidateVisitor visit,
                                              const ImpactOptions& options = {});

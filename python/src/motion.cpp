@@ -65,9 +65,9 @@ struct ElementFilter {
 /// The options that all queries have, and whether they need the GIL.
 struct ImpactArguments {
   ImpactArguments(double max_time, double time_error, double min_separation, double nearer_part, nb::handle filter,
-                  const BudgetObject* budget)
+                  bool parallel, const BudgetObject* budget)
       : options{max_time, time_error, min_separation, nearer_part} {
-    options.budget = budget_of(budget);
+    options.budget = budget_of(budget), options.parallel = parallel && filter.is_none();  // this thread holds the GIL
     if (filter.is_none()) return;
     if (PyCallable_Check(filter.ptr()) == 0) throw nb::type_error("filter: expected None or something to call");
     predicate = {nb::borrow(filter)};
@@ -84,8 +84,8 @@ struct ImpactArguments {
 
 ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
                                double min_separation, double nearer_part, bool ignore_crossings, bool any_contact,
-                               nb::handle filter, const BudgetObject* budget) {
-  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, budget);
+                               nb::handle filter, bool parallel, const BudgetObject* budget) {
+  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, parallel, budget);
   given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use_a = a.use(), use_b = b.use();
   return without_gil_unless(given.needs_gil(),
@@ -94,8 +94,8 @@ ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, doubl
 
 ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
                                     double nearer_part, bool ignore_crossings, bool any_contact, nb::handle filter,
-                                    const BudgetObject* budget) {
-  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, budget);
+                                    bool parallel, const BudgetObject* budget) {
+  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, parallel, budget);
   given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use = model.use();
   return without_gil_unless(given.needs_gil(), [&] { return self_time_of_impact(use.moving, given.options); });
@@ -111,8 +111,8 @@ nb::object found_impacts(const char* class_name, nb::handle dtype, const Search&
 }
 
 Named<"Impacts"> impacts_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
-                            double min_separation, double nearer_part, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), budget);
+                            double min_separation, double nearer_part, bool parallel, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), parallel, budget);
   const auto use_a = a.use(), use_b = b.use();
   return found_impacts<Impact>("Impacts", dtypes().impact, [&](auto visit) {
     return visit_impacts(use_a.moving, use_b.moving, visit, given.options);
@@ -120,16 +120,16 @@ Named<"Impacts"> impacts_of(MovingModelObject& a, MovingModelObject& b, double m
 }
 
 Named<"Impacts"> self_impacts_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
-                                 double nearer_part, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), budget);
+                                 double nearer_part, bool parallel, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), parallel, budget);
   const auto use = model.use();
   return found_impacts<Impact>("Impacts", dtypes().impact,
                                [&](auto visit) { return visit_self_impacts(use.moving, visit, given.options); });
 }
 
 Named<"ImpactCandidates"> impact_candidates_of(MovingModelObject& a, MovingModelObject& b, double max_time,
-                                               double min_separation, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), budget);
+                                               double min_separation, bool parallel, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), parallel, budget);
   const auto use_a = a.use(), use_b = b.use();
   return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, [&](auto visit) {
     return visit_impact_candidates(use_a.moving, use_b.moving, visit, given.options);
@@ -137,8 +137,8 @@ Named<"ImpactCandidates"> impact_candidates_of(MovingModelObject& a, MovingModel
 }
 
 Named<"ImpactCandidates"> self_impact_candidates_of(MovingModelObject& model, double max_time, double min_separation,
-                                                    const BudgetObject* budget) {
-  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), budget);
+                                                    bool parallel, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), parallel, budget);
   const auto use = model.use();
   return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, [&](auto visit) {
     return visit_self_impact_candidates(use.moving, visit, given.options);
@@ -258,11 +258,14 @@ const std::string options_documentation = std::string("\n\nmax_time: ") + docs::
                                           "\n\nmin_separation: " + docs::ElementImpactOptions_min_separation +
                                           "\n\nnearer_part: " + docs::ImpactOptions_nearer_part;
 
+const std::string threads_note = std::string("\n\nparallel: ") + docs::ImpactOptions_parallel +
+                                 " With a filter, too: the calling thread holds the GIL.";
+
 std::string first_documentation(const char* what) {
   return std::string(what) + options_documentation + "\n\nignore_crossings: " + docs::ImpactOptions_ignore_crossings +
          "\n\nany_contact: " + docs::ImpactOptions_any_contact +
          "\n\nfilter: None, or called with an ElementPairKind and two ids: whether these elements count. " +
-         docs::ImpactOptions_filter;
+         docs::ImpactOptions_filter + threads_note;
 }
 
 void bind_moving_models(nb::module_& m) {
@@ -272,29 +275,31 @@ void bind_moving_models(nb::module_& m) {
            "end_pose"_a = nb::none(), docs::MovingModel_set_motion);
   m.def("time_of_impact", &time_of_impact_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
         "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignore_crossings"_a = false, "any_contact"_a = false,
-        "filter"_a = nb::none(), "budget"_a = nb::none(),
+        "filter"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
         first_documentation("The first time at which two moving models touch; or two rigid bodies on their way.")
             .c_str());
   m.def("self_time_of_impact", &self_time_of_impact_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0,
         "time_error"_a = 0.0, "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignore_crossings"_a = false,
-        "any_contact"_a = false, "filter"_a = nb::none(), "budget"_a = nb::none(),
+        "any_contact"_a = false, "filter"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
         first_documentation(docs::self_time_of_impact).c_str());
   const std::string impacts =
       std::string(
           "All pairs of elements that touch up to max_time, each once, with the first time at which they do.\n\n"
           "Budget   As intersections().\nReturns  Records of limber3d.impact_dtype.") +
-      options_documentation + impact_fields();
+      options_documentation + threads_note + impact_fields();
   m.def("impacts", &impacts_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "budget"_a = nb::none(), impacts.c_str());
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(),
+        impacts.c_str());
   m.def("self_impacts", &self_impacts_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "budget"_a = nb::none(), impacts.c_str());
-  const std::string candidates = std::string(docs::visit_impact_candidates) +
+        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(),
+        impacts.c_str());
+  const std::string candidates = std::string(docs::visit_impact_candidates) + threads_note +
                                  "\nBudget   As intersections().\nReturns  Records of limber3d.element_pair_dtype." +
                                  element_pair_fields();
   m.def("impact_candidates", &impact_candidates_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "min_separation"_a = 0.0, "budget"_a = nb::none(), candidates.c_str());
+        "min_separation"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(), candidates.c_str());
   m.def("self_impact_candidates", &self_impact_candidates_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "min_separation"_a = 0.0, "budget"_a = nb::none(), candidates.c_str());
+        "min_separation"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(), candidates.c_str());
   m.def("limit_self_displacements", &limit_self_displacements_of, "model"_a, "separation"_a, "displacements"_a,
         (std::string(docs::limit_self_displacements) + "\n\nReturns  The limits, as a new array.").c_str());
   m.def("limit_displacements", &limit_displacements_of, "a"_a, "b"_a, "separation"_a, "of_a"_a, "of_b"_a = nb::none(),

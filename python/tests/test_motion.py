@@ -51,6 +51,20 @@ def test_a_ball_falls_on_a_plate(ball: limber3d.Model, plate: limber3d.Model) ->
     assert none.status == Status.undecided and none.stopped_by == limber3d.StoppedBy.max_steps
 
 
+def test_threads_give_the_same_answers(ball: limber3d.Model, plate: limber3d.Model) -> None:
+    moving, floor = falling(ball, 3, -1), still(plate)
+    one, several = (limber3d.time_of_impact(moving, floor, parallel=parallel) for parallel in (False, True))
+    assert (several.lower, several.upper, several.elements) == (one.lower, one.upper, one.elements)
+    assert several.witness == one.witness and several.status == one.status == Status.contact
+    assert limber3d.self_time_of_impact(moving, parallel=True).status == limber3d.self_time_of_impact(moving).status
+    with_filter = limber3d.time_of_impact(moving, floor, filter=lambda *_: False, parallel=True)
+    assert with_filter.status == Status.clear
+    for impacts in (limber3d.impacts, limber3d.impact_candidates):
+        assert impacts(moving, floor, parallel=True).records.tolist() == impacts(moving, floor).records.tolist() != []
+    for self_impacts in (limber3d.self_impacts, limber3d.self_impact_candidates):
+        assert self_impacts(moving, parallel=True).records.tolist() == self_impacts(moving).records.tolist()
+
+
 def test_filters_get_kinds_and_ids(ball: limber3d.Model, plate: limber3d.Model) -> None:
     asked = []
 

@@ -6,7 +6,9 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <vector>
 
 #include "base/check.h"
 #include "bvh/tree.h"
@@ -17,6 +19,18 @@
 #include "simd/kernels.h"
 
 namespace limber::motion {
+
+/// Slots of two moving trees, or of one.
+struct SlotPair {
+  bvh::SlotId slot[2];
+  double first_time;  ///< a lower bound of the time at which the boxes of both meet
+};
+
+/// A part of a search: one pair of slots and all below.
+struct ImpactSearchPart {
+  SlotPair pair;
+  double first_open_time;  ///< a time before which no pair touches that the stack holds while the part is searched
+};
 
 /// Offers a collector the pairs of elements of two moving models, or of one, that may touch.
 ///
@@ -37,17 +51,44 @@ class ImpactSearch {
       : models_(models), collector_(collector), kernels_(simd::kernels()), limits_{collector.max_time(), separation} {}
 
   void run(pair::BudgetMeter& meter) {
-    push({{bvh::root_slot, bvh::root_slot}, 0});
-    for (std::uint64_t steps = 0; size_ > 0 && !collector_.is_done() && !meter.is_spent(steps); ++steps) {
-      visited_ = stack_[--size_];
-      visit(visited_);
+    push(roots);
+    visit_all(meter);
+  }
+
+  /// Offers the collector the pairs of a part.
+  void run(const ImpactSearchPart& part) {
+    LIMBER_ASSERT(size_ == 0);
+    first_below_ = part.first_open_time;
+    push(part.pair);
+    pair::BudgetMeter meter;  // without limits
+    visit_all(meter);
+  }
+
+  /// Splits the search into parts, at least `count` where there is so much work, some thousand at most. The parts in
+  /// this order, one after the other, with one collector, do what run() does.
+  std::vector<ImpactSearchPart> split(std::size_t count) {
+    LIMBER_ASSERT(size_ == 0 && count > 0);
+    std::vector<ImpactSearchPart> parts{{roots, std::numeric_limits<double>::infinity()}}, next;
+    for (bool goes_on = true; goes_on && parts.size() < count; parts.swap(next)) {
+      goes_on = false, next.clear();
+      for (const ImpactSearchPart& part : parts) {
+        if (are_leaves(part.pair)) {
+          next.push_back(part);
+        } else {
+          visit(part.pair);
+          goes_on = goes_on || size_ > 0;
+          move_stack_to(next, part.first_open_time);
+        }
+      }
     }
+    return parts;
   }
 
   /// A time before which none of the pairs that are left touches. A collector that is done may have left pairs of the
   /// leaves that were compared last.
   double first_open_time() const {
-    double first = collector_.is_done() ? std::min(collector_.max_time(), visited_.first_time) : collector_.max_time();
+    double first = std::min(collector_.max_time(), first_below_);
+    if (collector_.is_done()) first = std::min(first, visited_.first_time);
     for (std::uint32_t i = 0; i < size_; ++i) first = std::min(first, stack_[i].first_time);
     return first;
   }
@@ -55,10 +96,29 @@ class ImpactSearch {
   QueryStats stats{};
 
  private:
-  struct SlotPair {
-    bvh::SlotId slot[2];
-    double first_time;  ///< a lower bound of the time at which the boxes of both meet
-  };
+  static constexpr SlotPair roots{{bvh::root_slot, bvh::root_slot}, 0};
+
+  bool are_leaves(const SlotPair& pair) const {
+    return bvh::has_leaf(models_.tree(Side::a), pair.slot[0]) && bvh::has_leaf(models_.tree(Side::b), pair.slot[1]);
+  }
+
+  void visit_all(pair::BudgetMeter& meter) {
+    for (std::uint64_t steps = 0; size_ > 0 && !collector_.is_done() && !meter.is_spent(steps); ++steps) {
+      visited_ = stack_[--size_];
+      visit(visited_);
+    }
+  }
+
+  /// Appends the pairs of the stack as parts, in the order in which they would be visited.
+  void move_stack_to(std::vector<ImpactSearchPart>& parts, double first_open_time) {
+    const std::size_t begin = parts.size();
+    for (std::uint32_t i = 0; i < size_; ++i) {
+      parts.push_back({stack_[i], first_open_time});
+      first_open_time = std::min(first_open_time, stack_[i].first_time);
+    }
+    std::reverse(parts.begin() + static_cast<std::ptrdiff_t>(begin), parts.end());
+    size_ = 0;
+  }
 
   void push(const SlotPair& pair) {
     LIMBER_ASSERT(size_ < capacity);
@@ -185,7 +245,8 @@ class ImpactSearch {
   Collector& collector_;
   const simd::Kernels& kernels_;
   simd::MotionLimits limits_;
-  SlotPair visited_{};  // last
+  double first_below_ = std::numeric_limits<double>::infinity();  // of pairs that come after the part that is searched
+  SlotPair visited_{};                                            // last
   SlotPair stack_[capacity];
   std::uint32_t size_ = 0;
 };

@@ -2,27 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The public functions of motion.h for models.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <optional>
 #include <string>
 
+#include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
+#include "base/parallel.h"
 #include "limber/contacts.h"
 #include "motion/element_impact.h"
 #include "motion/element_state.h"
+#include "motion/impact_collectors.h"
+#include "motion/impact_in_parts.h"
 #include "motion/impact_search.h"
 #include "motion/moving_pair.h"
+#include "pair/contacts_in_parts.h"
 
 namespace limber {
 namespace motion {
 namespace {
-
-ElementImpactOptions of_elements(const ImpactOptions& options) {
-  return {options.max_time, options.time_error, options.min_separation};
-}
 
 void check_options(const ImpactOptions& options, const char* function) {
   check(of_elements(options), function);
@@ -30,111 +27,9 @@ void check_options(const ImpactOptions& options, const char* function) {
                  (std::string(function) + ": nearer_part is not from 0 to below 1").c_str());
 }
 
-/// The impact of two elements; of those that are nearer than the separation at the start, with a part of their distance
-/// as separation.
-ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptions& options, double nearer_part) {
-  const ElementImpact impact = impact_of(elements, options);
-  if (impact.status != ImpactStatus::initial_contact || nearer_part == 0 || options.min_separation == 0) return impact;
-  ElementImpactOptions nearer = options;
-  nearer.min_separation = nearer_part * start_distance(elements);
-  return impact_of(elements, nearer);
+bool runs_in_parallel(const ImpactOptions& options) {
+  return options.parallel && base::has_several_threads() && !base::is_limited(options.budget);
 }
-
-/// The earliest time, 0 or later, that is no more than an error before another.
-double earliest_within(double error, double time) {
-  const double earliest = std::max(0.0, time - error);
-  return time - earliest > error ? std::nextafter(earliest, 1) : earliest;
-}
-
-/// The collector of time_of_impact(): the first impact, or any.
-class FirstImpact {
- public:
-  explicit FirstImpact(const ImpactOptions& options)
-      : options_(of_elements(options)),
-        nearer_part_(options.nearer_part),
-        filter_(options.filter),
-        any_(options.any_contact) {}
-
-  double max_time() const { return options_.max_time; }
-  bool is_done() const { return upper == 0 || (any_ && best); }
-  bool wants_contacts_only() const { return options_.min_separation == 0; }
-
-  void compare(const ElementPair& pair, const MovingElements& elements) {
-    if (filter_ && !(*filter_)(pair)) return;
-    const ElementImpact impact = impact_of(elements, options_, nearer_part_);
-    if (impact.status == ImpactStatus::clear) return;
-    // What touches later than `lower` cannot change it. With an error it is as early as that allows, so that others
-    // that touch at about the same time need not be told apart.
-    lower = std::min({lower, impact.lower, earliest_within(options_.time_error, impact.upper)});
-    options_.max_time = lower;
-    if (best && impact.upper >= upper) return;
-    upper = impact.upper, status = impact.status;
-    best = IdentifiedElements{pair, elements};
-  }
-
-  ImpactStatus status = ImpactStatus::clear;
-  double lower = std::numeric_limits<double>::infinity(), upper = lower;
-  std::optional<IdentifiedElements> best;
-
- private:
-  ElementImpactOptions options_;
-  double nearer_part_;
-  std::optional<ElementPairFilter> filter_;
-  bool any_;
-};
-
-/// The collector of visit_impacts().
-class AllImpacts {
- public:
-  AllImpacts(const ImpactOptions& options, ImpactVisitor visit)
-      : options_(of_elements(options)), nearer_part_(options.nearer_part), filter_(options.filter), visit_(visit) {}
-
-  double max_time() const { return options_.max_time; }
-  bool is_done() const { return is_stopped_; }
-  bool wants_contacts_only() const { return options_.min_separation == 0; }
-
-  void compare(const ElementPair& pair, const MovingElements& elements) {
-    if (filter_ && !(*filter_)(pair)) return;
-    const ElementImpact impact = impact_of(elements, options_, nearer_part_);
-    if (impact.status == ImpactStatus::clear) return;
-    ++count;
-    is_stopped_ = !visit_({pair, impact});
-  }
-
-  std::size_t count = 0;
-
- private:
-  ElementImpactOptions options_;
-  double nearer_part_;
-  std::optional<ElementPairFilter> filter_;
-  ImpactVisitor visit_;
-  bool is_stopped_ = false;
-};
-
-/// The collector of visit_impact_candidates().
-class ImpactCandidates {
- public:
-  ImpactCandidates(const ImpactOptions& options, ImpactCandidateVisitor visit)
-      : max_time_(options.max_time), filter_(options.filter), visit_(visit) {}
-
-  double max_time() const { return max_time_; }
-  bool is_done() const { return is_stopped_; }
-  bool wants_contacts_only() const { return false; }
-
-  void compare(const ElementPair& pair, const MovingElements&) {
-    if (filter_ && !(*filter_)(pair)) return;
-    ++count;
-    is_stopped_ = !visit_(pair);
-  }
-
-  std::size_t count = 0;
-
- private:
-  double max_time_;
-  std::optional<ElementPairFilter> filter_;
-  ImpactCandidateVisitor visit_;
-  bool is_stopped_ = false;
-};
 
 /// Sets elements, witness and normal of a contact, as they are at the time `upper`.
 void set_place(const MovingPair& models, const IdentifiedElements& found, ImpactResult& result) {
@@ -156,22 +51,36 @@ ImpactResult crossing(const CollideResult& found) {
 
 CollideResult collide_at_start(const MovingPair& models, const ImpactOptions& options) {
   const MovingModel::Impl &a = models.model(Side::a), &b = models.model(Side::b);
+  if (runs_in_parallel(options)) {
+    CollideResult none;
+    none.answer = Answer::no;
+    const Placed placed_a{*a.model, a.start_pose}, placed_b{*b.model, b.start_pose};
+    if (!pair::intersect_in_parts(placed_a, placed_b, models.is_self(), none.stats)) return none;
+  }  // else one thread says which pair is the witness
   if (models.is_self()) return self_collide(*a.model);
   return collide({*a.model, a.start_pose}, {*b.model, b.start_pose}, {nullptr, options.budget});
 }
 
-ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options) {
+/// The first impact, on one thread.
+FoundImpact find_first(const MovingPair& models, const ImpactOptions& options) {
   FirstImpact collector(options);
   ImpactSearch<FirstImpact> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);
   search.run(meter);
+  return {collector, search.first_open_time(), meter.stopped_by(), search.stats};
+}
+
+ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options) {
+  const FoundImpact found =
+      runs_in_parallel(options) ? find_first_in_parts(models, options) : find_first(models, options);
+  const FirstImpact& first = found.collector;
   ImpactResult result;
-  result.stats = search.stats, result.stopped_by = meter.stopped_by();
+  result.stats = found.stats, result.stopped_by = found.stopped_by;
   const bool is_undecided = result.stopped_by != StoppedBy::nothing;
-  result.status = is_undecided ? ImpactStatus::undecided : collector.status;
-  result.lower = collector.lower, result.upper = collector.upper;
-  if (is_undecided || collector.is_done()) result.lower = search.first_open_time();
-  if (collector.best) set_place(models, *collector.best, result);
+  result.status = is_undecided ? ImpactStatus::undecided : first.status;
+  result.lower = first.lower, result.upper = first.upper;
+  if (is_undecided || first.is_done()) result.lower = found.first_open_time;
+  if (first.best) set_place(models, *first.best, result);
   return result;
 }
 
@@ -186,6 +95,7 @@ ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options
 /// Visits pairs with a collector of all of them.
 template <typename Collector, typename Visitor>
 PairCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
+  if (runs_in_parallel(options)) return visit_in_parts(models, options, visit);
   Collector collector(options, visit);
   ImpactSearch<Collector> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pair/contacts_in_parts.h"
 
+#include <atomic>
+#include <limits>
 #include <vector>
 
 #include "base/span_filler.h"
@@ -43,7 +45,44 @@ PairCount contacts_of(const pair::PlacedPair& placed, const Pairs& pairs, double
       placed, [&](ContactVisitor visitor) { return Collector(pairs, margin, visitor); }, visit);
 }
 
+/// The collector of intersect_in_parts(): all parts end when one has found a pair.
+template <typename Pairs>
+class AnyIntersection {
+ public:
+  static constexpr pair::Hits hits = pair::Hits::all;
+  static constexpr bool is_self = Pairs::is_self;
+
+  AnyIntersection(const Pairs& pairs, std::atomic<bool>& has_found) : pairs_(pairs), has_found_(has_found) {}
+
+  double initial_cutoff() const { return std::numeric_limits<double>::min(); }
+  bool is_done() const { return has_found_.load(std::memory_order_relaxed); }
+
+  void compare(const pair::PlacedTriangle& a, const pair::PlacedTriangle& b) {
+    if (pairs_.meet(a, b)) has_found_.store(true, std::memory_order_relaxed);
+  }
+
+ private:
+  const Pairs& pairs_;
+  std::atomic<bool>& has_found_;
+};
+
+template <typename Pairs>
+bool any_in_parts(const pair::PlacedPair& placed, const Pairs& pairs, QueryStats& stats) {
+  struct Nothing {};
+  using Collector = AnyIntersection<Pairs>;
+  std::atomic<bool> has_found = false;
+  pair::search_all_in_parts<Collector, Nothing>(
+      placed, [&](Nothing&) { return Collector(pairs, has_found); }, [](Collector&) {}, stats);
+  return has_found;
+}
+
 }  // namespace
+
+bool pair::intersect_in_parts(const Placed& a, const Placed& b, bool is_self, QueryStats& stats) {
+  if (!is_self) return any_in_parts(PlacedPair(a, b), PairsOfTwo(a, b, {}), stats);
+  const Placed model{a.model()};
+  return any_in_parts(PlacedPair(model, model), PairsOfOne(a.model().mesh(), {}), stats);
+}
 
 PairCount pair::visit_intersections_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs,
                                              TrianglePairVisitor visit) {

@@ -18,4 +18,8 @@ PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfTwo& pa
 PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, double margin,
                                   ContactVisitor visit);
 
+/// Whether any triangles of two models, or of one with itself, intersect, on the threads of the calling arena. Pre: no
+/// body has a radius or is solid. `stats` mean something if none do: otherwise threads have ended sooner or later.
+bool intersect_in_parts(const Placed& a, const Placed& b, bool is_self, QueryStats& stats);
+
 }  // namespace limber::pair

@@ -4,11 +4,8 @@
 // Queries for pairs on several threads: the same pairs, numbers, order and work as on one.
 #include <gtest/gtest.h>
 
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -21,12 +18,12 @@
 #include "limber/elements.h"
 #include "scenes/scenes.h"
 #include "support/crumpled_mesh.h"
+#include "support/on_threads.h"
 #include "support/random_scene.h"
 
 namespace limber::testing {
 namespace {
 
-auto bits_of(const Vec3& v) { return std::bit_cast<std::array<std::uint64_t, 3>>(v); }
 auto key_of(const TrianglePair& p) { return std::tuple(p.a, p.b); }
 auto key_of(const Contact& c) {
   return std::tuple(c.triangle_a, c.triangle_b, c.distance, c.depth, bits_of(c.point_a), bits_of(c.normal),
@@ -41,13 +38,6 @@ template <typename Pair>
 bool are_same(const std::vector<Pair>& p, const std::vector<Pair>& q) {
   return std::equal(p.begin(), p.end(), q.begin(), q.end(),
                     [](const Pair& x, const Pair& y) { return key_of(x) == key_of(y); });
-}
-
-/// Calls something on several threads, also where the machine has one.
-template <typename Call>
-void on_threads(const Call& call) {
-  oneapi::tbb::task_arena arena(4);
-  arena.execute(call);
 }
 
 /// Compares what find(visitor, options) gives on one thread and on several. Adds how many pairs there are.

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "limber/motion.h"
+#include "motion/impact_collectors.h"
+#include "motion/moving_pair.h"
+
+namespace limber::motion {
+
+/// What a search for the first impact has found.
+struct FoundImpact {
+  FirstImpact collector;
+  double first_open_time;  ///< as ImpactSearch has it at its end
+  StoppedBy stopped_by = StoppedBy::nothing;
+  QueryStats stats{};
+};
+
+// Queries on the threads of the calling arena, without a budget. In a source of their own, so that the compiler inlines
+// the loop of one thread as if there were no other.
+
+/// What one thread finds, to the bit. Only the work is another: it is that of the parts whose answers count.
+FoundImpact find_first_in_parts(const MovingPair& models, const ImpactOptions& options);
+
+/// Visits what one thread would, in its order, afterwards, on the calling thread.
+PairCount visit_in_parts(const MovingPair& models, const ImpactOptions& options, ImpactVisitor visit);
+PairCount visit_in_parts(const MovingPair& models, const ImpactOptions& options, ImpactCandidateVisitor visit);
+
+}  // namespace limber::motion
