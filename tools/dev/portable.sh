@@ -31,11 +31,13 @@ SceneConfigurationsTest.Tell* SceneNearTest.Finds* SceneCacheTest.Changes* Scene
 Kernels.BoundsOfBoxes* Kernels.Corners* Kernels.Directions* Kernels.CandidatesContain* Kernels.BoundsOfA*
 SeparatedNeighbors.* Separation.HoldsAt* Separation.Comes* Impact.Tells* Impact.Up* Impact.Is* Impact.OfThe*
 LikelyPair.Takes* LikelyPair.IsOf* Mesh.IsClosedExactly* Model.Keeps* Model.Rebuilds* NeighborRings.Are* PairBudget.Of*
-PairBudget.Whose* ParallelPairs.* PathImpact.IsNotLater* PointKernels.Intervals* Polynomial.* Endings.ComeAfter*
+PairBudget.Whose* ParallelPairs.* ParallelImpacts.OfLarge* ParallelImpacts.AreThose*
+PathImpact.IsNotLater* PointKernels.Intervals* Polynomial.* Endings.ComeAfter*
 Endings.Of* CloseElements.* Coincident.TrianglesAmong* Coincident.TrianglesThatPartAre* ContactReduction.TakesTime*
 ContactReduction.OfMany* ContactReduction.KeepsWhat* ContactSides.OfOneTriangle* ContactSides.OfAny*
 ContactSides.OfTwoBalls* CountingCollector.* DirtySet.Marks* FloatEnvironment.OfTheCallerChanges* FloatEnvironment.OfA*
-Front.IsTraversed* Front.IsRight* *BodyKinds.* *ContactsDoNotDepend*
+Front.IsTraversed* Front.IsRight* Front.Costs* *BodyKinds.* *ContactsDoNotDepend* SceneImpact.NothingIs*
+WorldBounds.OfABall* RebuildScheduler.Spreads*
 '
 
 # The sources of the libraries: name for FetchContent, place in Debian's archive, SHA-256.
