@@ -12,6 +12,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -28,36 +29,56 @@ constexpr std::size_t line_width = 80;
 constexpr std::size_t name_width = 30;
 constexpr const char* version_line = "limber " LIMBER_VERSION;
 
-/// Help in lines that fit into a terminal.
+/// Help in lines that fit into a terminal, the same with every version of CLI11.
 class HelpFormatter : public CLI::Formatter {
  public:
-  HelpFormatter() {
-    column_width(name_width);
-    label("SUBCOMMAND", "VERB");
-    label("Positionals", "Arguments");
-  }
-
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return described(option->get_description());
-  }
-
-  std::string make_subcommand(const CLI::App* verb) const override {
-    std::ostringstream lines;
-    CLI::detail::format_help(lines, verb->get_name(), described(verb->get_description()), name_width);
-    return lines.str();
-  }
-
-  std::string make_description(const CLI::App* app) const override {
-    return wrapped(app->get_description(), line_width) + "\n\n";
-  }
-
-  std::string make_footer(const CLI::App* app) const override {
-    const std::string text = app->get_footer();
-    return text.empty() ? std::string() : wrapped(trimmed(text), line_width) + '\n';
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode /*mode*/) const override {
+    std::string usage = "Usage: " + name + " [OPTIONS]";
+    std::string arguments, options, verbs;
+    for (const CLI::Option* option : app->get_options()) {
+      const bool is_argument = option->get_positional();
+      if (is_argument) usage += ' ' + make_option_usage(option);
+      const std::string line = entry(option->get_name(is_argument, true) + details(option), option->get_description());
+      if (!option->get_group().empty()) (is_argument ? arguments : options) += line;
+    }
+    for (const CLI::App* verb : app->get_subcommands({})) verbs += entry(verb->get_name(), verb->get_description());
+    if (!verbs.empty()) usage += " VERB";
+    std::string help = wrapped(app->get_description(), line_width) + "\n\n" + usage + '\n';
+    if (!arguments.empty()) help += "\nArguments:\n" + arguments;
+    help += "\nOptions:\n" + options;
+    if (!verbs.empty()) help += "\nVerbs:\n" + verbs;
+    const std::string footer = app->get_footer();
+    return help + '\n' + (footer.empty() ? std::string() : wrapped(trimmed(footer), line_width) + '\n');
   }
 
  private:
-  static std::string described(const std::string& text) { return wrapped(text, line_width - name_width); }
+  /// What follows the name of an option: type, default, which others it goes with.
+  static std::string details(const CLI::Option* option) {
+    std::string text;
+    if (option->get_type_size() != 0) {
+      if (const std::string type = option->get_type_name(); !type.empty()) text += ' ' + type;
+      if (const std::string value = option->get_default_str(); !value.empty()) text += '=' + value;
+      if (option->get_expected_max() > 1) text += " ...";
+      if (option->get_required()) text += " REQUIRED";
+    }
+    return text + others(" Needs:", option->get_needs()) + others(" Excludes:", option->get_excludes());
+  }
+
+  static std::string entry(const std::string& name, const std::string& description) {
+    std::string text = fmt::format("  {:<{}}", name, name_width - 2);
+    const std::string next_line = '\n' + std::string(name_width, ' ');
+    if (name.size() + 2 >= name_width) text += next_line;
+    for (const char c : wrapped(description, line_width - name_width)) {
+      text += c == '\n' ? next_line : std::string(1, c);
+    }
+    return text + '\n';
+  }
+
+  static std::string others(std::string text, const std::set<CLI::Option*>& options) {
+    if (options.empty()) return {};
+    for (const CLI::Option* option : options) text += ' ' + option->get_name();
+    return text;
+  }
 };
 
 std::vector<std::string> verb_names(const CLI::App& app) {
