@@ -38,7 +38,11 @@ function(limber_dependency name target find url hash without)
   set(limber_fetched_${name} ${${lower}_SOURCE_DIR} PARENT_SCOPE)
 endfunction()
 
-# Headers alone: big integers behind the exact predicates. Two parts of Boost are enough for them.
+# Headers alone: big integers behind the exact predicates. Two parts of Boost are enough for them. CMake's own module
+# finds headers without Boost's package file, too; newer versions want to be told to take it.
+if(POLICY CMP0167)
+  cmake_policy(SET CMP0167 OLD)
+endif()
 set(boost https://github.com/boostorg)
 limber_dependency(Boost Boost::headers "1.74" ${boost}/multiprecision/archive/refs/tags/boost-1.90.0.tar.gz
   b28a20f95712e596b3eb8aa4ae2264363016a609a63ebc3d84ee8cb49831de67 "" SOURCE_SUBDIR none)
