@@ -5,6 +5,10 @@
 # version named here, checked, and built along with limber. What only the tests need is never fetched.
 option(LIMBER_FETCH "Fetch what is not installed: Highway, oneTBB, Boost.Multiprecision, nlohmann_json, CLI11, fmt" ON)
 include(FetchContent)
+# CMake's own module finds Boost's headers without its package file, too; newer versions want to be told to take it.
+if(POLICY CMP0167)
+  cmake_policy(SET CMP0167 OLD)
+endif()
 
 # limber_dependency(NAME TARGET FIND URL HASH WITHOUT): makes TARGET known. FIND are arguments of find_package(), WITHOUT
 # says how limber does without it. What follows goes to FetchContent_Declare(). limber_fetched_NAME says where sources are.
@@ -38,11 +42,7 @@ function(limber_dependency name target find url hash without)
   set(limber_fetched_${name} ${${lower}_SOURCE_DIR} PARENT_SCOPE)
 endfunction()
 
-# Headers alone: big integers behind the exact predicates. Two parts of Boost are enough for them. CMake's own module
-# finds headers without Boost's package file, too; newer versions want to be told to take it.
-if(POLICY CMP0167)
-  cmake_policy(SET CMP0167 OLD)
-endif()
+# Headers alone: big integers behind the exact predicates. Two parts of Boost are enough for them.
 set(boost https://github.com/boostorg)
 limber_dependency(Boost Boost::headers "1.74" ${boost}/multiprecision/archive/refs/tags/boost-1.90.0.tar.gz
   b28a20f95712e596b3eb8aa4ae2264363016a609a63ebc3d84ee8cb49831de67 "" SOURCE_SUBDIR none)
