@@ -198,7 +198,8 @@ void describe(CLI::App& app) {
   app.set_help_flag("-h,--help", "print this help");
   app.set_version_flag("-v,--version", version_line, "print the version");
   const auto version = [] { throw CLI::CallForVersion(version_line, 0); };
-  app.add_flag_callback("-V", version)->group("");  // as some programs call it; help need not say so
+  // As some programs call it; help need not say so. CLI11 2.6 would first ask for a verb.
+  app.add_flag_callback("-V", version)->group("")->trigger_on_parse();
   app.require_subcommand(1);
   app.footer(R"(
 limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-in
