@@ -118,12 +118,12 @@ TEST(ParallelImpacts, OfLargeModelsAreThoseOfOneThread) {
 TEST(ParallelImpacts, AreThoseOfOneThreadInRandomScenes) {
   Rng rng(2801);
   Totals totals;
-  for (int i = 0; i < 150 && !HasFailure(); ++i) {
+  for (int i = 0; i < 60 && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
     const auto soup = [&] {
       std::vector<Triangle> triangles;
       const double size = rng.uniform(0.02, 0.3);
-      for (std::uint64_t k = 20 + rng.below(400); k > 0; --k) {
+      for (std::uint64_t k = 20 + rng.below(200); k > 0; --k) {
         const Vec3 p = uniform_point(rng);
         triangles.push_back({p, p + size * uniform_point(rng), p + size * uniform_point(rng)});
       }
@@ -132,7 +132,7 @@ TEST(ParallelImpacts, AreThoseOfOneThreadInRandomScenes) {
     const Model model_a(rng.below(3) == 0 ? crumpled(rng) : soup()), model_b(soup());
     MovingModel a(model_a), b(model_b);
     const double far = std::ldexp(1.0, -static_cast<int>(rng.below(12)));
-    const bool is_flat = rng.below(4) == 0;  // all that meets a plane does so at the same time
+    const bool is_flat = rng.below(8) == 0;  // all that meets a plane does so at the same time
     const auto move = [&](MovingModel& moving, const Mesh& mesh) {
       std::vector<Vec3> end;
       for (const Vec3& p : mesh.positions()) end.push_back(is_flat ? Vec3{p.x, p.y, 0} : p + far * uniform_point(rng));
@@ -150,7 +150,7 @@ TEST(ParallelImpacts, AreThoseOfOneThreadInRandomScenes) {
   EXPECT_GT(totals.initial, 100U);
   EXPECT_GT(totals.contact, 100U);
   EXPECT_GT(totals.clear, 100U);
-  EXPECT_GT(totals.impacts, 10'000U);
+  EXPECT_GT(totals.impacts, 2'000U);
 }
 
 TEST(ParallelImpacts, AreVisitedByTheThreadThatAsksUntilItStops) {
