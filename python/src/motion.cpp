@@ -259,7 +259,7 @@ const std::string options_documentation = std::string("\n\nmax_time: ") + docs::
                                           "\n\nnearer_part: " + docs::ImpactOptions_nearer_part;
 
 const std::string threads_note = std::string("\n\nparallel: ") + docs::ImpactOptions_parallel +
-                                 " With a filter, too: the calling thread holds the GIL.";
+                                 " So does a query with a filter in Python, which needs the GIL.";
 
 std::string first_documentation(const char* what) {
   return std::string(what) + options_documentation + "\n\nignore_crossings: " + docs::ImpactOptions_ignore_crossings +

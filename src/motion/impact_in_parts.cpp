@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "base/span_filler.h"
 #include "motion/impact_search.h"
+#include "pair/contacts_in_parts.h"
 
 namespace limber {
 namespace motion {
@@ -39,17 +39,11 @@ PairCount count_in_parts(const MovingPair& models, const ImpactOptions& options,
   });
   result.stats = top.stats;
   for (const QueryStats& stats : stats_of) add(result.stats, stats);
-  for (const base::ListFiller<Pair>& part : found) {
-    for (const Pair& pair : part.list()) {
-      ++result.count;
-      result.is_complete = visit(pair);
-      if (!result.is_complete) return result;
-    }
-  }
+  pair::visit_found(found, visit, result);
   return result;
 }
 
-/// What a part has found, given what those before it have.
+/// Searches a part, with what the parts before it have found.
 FoundImpact find_in_part(const MovingPair& models, const ImpactOptions& options, const ImpactSearchPart& part,
                          const FirstImpact& before) {
   FoundImpact found{before, 0};

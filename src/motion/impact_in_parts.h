@@ -19,7 +19,8 @@ struct FoundImpact {
 // Queries on the threads of the calling arena, without a budget. In a source of their own, so that the compiler inlines
 // the loop of one thread as if there were no other.
 
-/// What one thread finds, to the bit. Only the work is another: it is that of the parts whose answers count.
+/// The first impact, with the bits that one thread gives. `stats` count the split and the parts whose answers count, so
+/// they do not depend on threads, but are a little more than those of one thread.
 FoundImpact find_first_in_parts(const MovingPair& models, const ImpactOptions& options);
 
 /// Visits what one thread would, in its order, afterwards, on the calling thread.

@@ -65,7 +65,7 @@ class ImpactSearch {
   }
 
   /// Splits the search into parts, at least `count` where there is so much work, some thousand at most. The parts in
-  /// this order, one after the other, with one collector, do what run() does.
+  /// this order, one after the other, with one collector, offer what run() does, in its order.
   std::vector<ImpactSearchPart> split(std::size_t count) {
     LIMBER_ASSERT(size_ == 0 && count > 0);
     std::vector<ImpactSearchPart> parts{{roots, std::numeric_limits<double>::infinity()}}, next;

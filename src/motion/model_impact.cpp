@@ -4,10 +4,8 @@
 // The public functions of motion.h for models.
 #include <string>
 
-#include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
-#include "base/parallel.h"
 #include "limber/contacts.h"
 #include "motion/element_impact.h"
 #include "motion/element_state.h"
@@ -25,10 +23,6 @@ void check_options(const ImpactOptions& options, const char* function) {
   check(of_elements(options), function);
   LIMBER_REQUIRE(options.nearer_part >= 0 && options.nearer_part < 1,
                  (std::string(function) + ": nearer_part is not from 0 to below 1").c_str());
-}
-
-bool runs_in_parallel(const ImpactOptions& options) {
-  return options.parallel && base::has_several_threads() && !base::is_limited(options.budget);
 }
 
 /// Sets elements, witness and normal of a contact, as they are at the time `upper`.
@@ -51,7 +45,7 @@ ImpactResult crossing(const CollideResult& found) {
 
 CollideResult collide_at_start(const MovingPair& models, const ImpactOptions& options) {
   const MovingModel::Impl &a = models.model(Side::a), &b = models.model(Side::b);
-  if (runs_in_parallel(options)) {
+  if (pair::runs_in_parallel(options)) {
     CollideResult none;
     none.answer = Answer::no;
     const Placed placed_a{*a.model, a.start_pose}, placed_b{*b.model, b.start_pose};
@@ -72,7 +66,7 @@ FoundImpact find_first(const MovingPair& models, const ImpactOptions& options) {
 
 ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options) {
   const FoundImpact found =
-      runs_in_parallel(options) ? find_first_in_parts(models, options) : find_first(models, options);
+      pair::runs_in_parallel(options) ? find_first_in_parts(models, options) : find_first(models, options);
   const FirstImpact& first = found.collector;
   ImpactResult result;
   result.stats = found.stats, result.stopped_by = found.stopped_by;
@@ -95,7 +89,7 @@ ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options
 /// Visits pairs with a collector of all of them.
 template <typename Collector, typename Visitor>
 PairCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
-  if (runs_in_parallel(options)) return visit_in_parts(models, options, visit);
+  if (pair::runs_in_parallel(options)) return visit_in_parts(models, options, visit);
   Collector collector(options, visit);
   ImpactSearch<Collector> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);

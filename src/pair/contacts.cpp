@@ -9,7 +9,6 @@
 #include "base/access.h"
 #include "base/arguments.h"
 #include "base/float_environment.h"
-#include "base/parallel.h"
 #include "base/span_filler.h"
 #include "limber/contacts.h"
 #include "pair/collectors/all_intersections.h"
@@ -40,14 +39,10 @@ PairCount count_all(const pair::PlacedPair& placed, Collector& collector, const 
   return result;
 }
 
-bool runs_in_parallel(const PairOptions& options) {
-  return options.parallel && base::has_several_threads() && !base::is_limited(options.budget);
-}
-
 template <typename Pairs>
 PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit,
                               const PairOptions& options) {
-  if (runs_in_parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit);
+  if (pair::runs_in_parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit);
   pair::AllIntersections<Pairs> collector(pairs, visit);
   return count_all(placed, collector, options.budget);
 }
@@ -55,7 +50,7 @@ PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs
 template <typename Pairs>
 PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit,
                          const PairOptions& options) {
-  if (runs_in_parallel(options)) return pair::visit_contacts_in_parts(placed, pairs, margin, visit);
+  if (pair::runs_in_parallel(options)) return pair::visit_contacts_in_parts(placed, pairs, margin, visit);
   pair::PairsWithin<Pairs> collector(pairs, margin, visit);
   return count_all(placed, collector, options.budget);
 }

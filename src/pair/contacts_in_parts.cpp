@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "base/span_filler.h"
 #include "pair/collectors/all_intersections.h"
 #include "pair/collectors/pairs_within.h"
 #include "pair/search.h"
@@ -21,13 +20,7 @@ PairCount count_in_parts(const pair::PlacedPair& placed, const Make& make_collec
   PairCount result;
   const auto parts = pair::search_all_in_parts<Collector, base::ListFiller<Pair>>(
       placed, make_collector, [](Collector&) {}, result.stats);
-  for (const base::ListFiller<Pair>& part : parts) {
-    for (const Pair& found : part.list()) {
-      ++result.count;
-      result.is_complete = visit(found);
-      if (!result.is_complete) return result;
-    }
-  }
+  pair::visit_found(parts, visit, result);
   return result;
 }
 

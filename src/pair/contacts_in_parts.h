@@ -2,11 +2,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
+#include "base/arguments.h"
+#include "base/parallel.h"
+#include "base/span_filler.h"
 #include "limber/contacts.h"
 #include "pair/collectors/pairs.h"
 #include "pair/placed_pair.h"
 
 namespace limber::pair {
+
+/// Whether a query with these options is searched in parts. One with a budget stays on one thread.
+template <typename Options>
+bool runs_in_parallel(const Options& options) {
+  return options.parallel && base::has_several_threads() && !base::is_limited(options.budget);
+}
+
+/// Visits what parts of a search have found, one part after the other, and counts it in `result`.
+template <typename Pair>
+void visit_found(const std::vector<base::ListFiller<Pair>>& parts, FunctionRef<bool(const Pair&)> visit,
+                 PairCount& result) {
+  for (const base::ListFiller<Pair>& part : parts) {
+    for (const Pair& found : part.list()) {
+      ++result.count;
+      result.is_complete = visit(found);
+      if (!result.is_complete) return;
+    }
+  }
+}
 
 // visit_intersections() and visit_contacts() on the threads of the calling arena. The visitor is called afterwards, by
 // the calling thread, with the pairs that one thread would find, in its order. In a source of their own, so that the

@@ -7,10 +7,10 @@
 
 #include "base/arguments.h"
 #include "base/float_environment.h"
-#include "base/parallel.h"
 #include "base/span_filler.h"
 #include "limber/elements.h"
 #include "pair/collectors/elements_within.h"
+#include "pair/contacts_in_parts.h"
 #include "pair/search.h"
 
 namespace limber {
@@ -64,7 +64,7 @@ ElementPairCount count_elements_in_parts(const ElementSearch<is_self>& search, V
 template <bool is_self>
 ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
                                 EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
-  if (options.parallel && base::has_several_threads() && !base::is_limited(options.budget)) {
+  if (pair::runs_in_parallel(options)) {
     return count_elements_in_parts(search, visit_vertex_face, visit_edge_edge);
   }
   const pair::PlacedPair& placed = search.placed;
