@@ -50,9 +50,10 @@ list(APPEND LIMBER_LIBRARY_PROPERTIES
 # A shared library shows what limber/export.h marks. The linker hides what headers of others leave in it: their marks say
 # otherwise.
 if(BUILD_SHARED_LIBS AND UNIX AND NOT APPLE)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/limber.map.in ${PROJECT_BINARY_DIR}/limber.map @ONLY)
   list(APPEND LIMBER_LIBRARY_PROPERTIES
-    LINK_OPTIONS -Wl,--version-script=${CMAKE_CURRENT_LIST_DIR}/limber.map
-    LINK_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/limber.map)
+    LINK_OPTIONS -Wl,--version-script=${PROJECT_BINARY_DIR}/limber.map
+    LINK_DEPENDS ${PROJECT_BINARY_DIR}/limber.map)
 endif()
 
 # For sources whose own speed does not matter: tests, and the program around the library.

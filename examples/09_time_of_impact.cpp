@@ -31,7 +31,7 @@ double safe_part(Body& sheet, const Body& ball, const std::vector<Vec3>& moves) 
   std::vector<Vec3> end = sheet.model.mesh().positions();
   for (std::size_t v = 0; v < end.size(); ++v) end[v] += moves[v];
   sheet.moving.set_motion(end).value();
-  const limber::ImpactOptions options{.min_separation = separation, .nearer_part = 0.5};
+  const limber::ImpactOptions options{.min_separation = separation, .separation_fraction = 0.5};
   return std::min({1.0, share * limber::time_of_impact(sheet.moving, ball.moving, options).lower,
                    share * limber::self_time_of_impact(sheet.moving, options).lower});  // infinite if nothing touches
 }

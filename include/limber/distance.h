@@ -136,16 +136,16 @@ struct [[nodiscard]] DistanceResult {
 enum class Answer {
   no,
   yes,
-  unknown,  ///< the budget was spent before either was proven; never without a budget
+  undecided,  ///< the budget was spent before either was proven; never without a budget
 };
 
-/// The answer of collide() and within(). If it is unknown, neither is_yes() nor is_no() is true.
+/// The answer of collide() and within(). If it is undecided, neither is_yes() nor is_no() is true.
 struct [[nodiscard]] CollideResult {
-  Answer answer = Answer::unknown;
+  Answer answer = Answer::undecided;
   /// Two points, if and only if the answer is yes: the same point twice if the models meet, else points at most as far
   /// apart as was asked, not necessarily the closest.
   std::optional<Witness> witness;
-  StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the answer is unknown
+  StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit, if the answer is undecided
   QueryStats stats{};
 
   bool is_yes() const { return answer == Answer::yes; }
@@ -156,7 +156,7 @@ struct [[nodiscard]] CollideResult {
 ///
 /// Throws   std::invalid_argument unless both models are committed and both poses are rigid (is_rigid()).
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
-/// Budget   With one, the answer is unknown if the budget is spent before there is a contact or a proof that there is
+/// Budget   With one, the answer is undecided if the budget is spent before there is a contact or a proof that there is
 ///          none. The next call with the same cache goes on from there. If the models have moved since, what was proven
 ///          holds less the motion.
 /// Threads  Reentrant; any number of calls may share models.

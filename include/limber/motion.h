@@ -148,10 +148,10 @@ struct ImpactOptions {
   double max_time = 1;        ///< as in ElementImpactOptions
   double time_error = 0;      ///< as in ElementImpactOptions
   double min_separation = 0;  ///< as in ElementImpactOptions
-  /// Elements that are nearer than the separation at the start may come as near as this part of their distance then.
+  /// Elements nearer than the separation at the start may come as near as this fraction of their distance then.
   /// With 0 they touch at the start. From 0 to below 1; a solver that keeps a separation from step to step needs it, as
   /// rounding and its own response bring elements nearer.
-  double nearer_part = 0;
+  double separation_fraction = 0;
   /// Whether models that cross at the start may go on: only elements that touch count, a vertex and a face or two
   /// edges, as solvers with a constraint for each take them. Otherwise triangles that intersect at the start are an
   /// `initial_contact`.

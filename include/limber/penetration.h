@@ -31,10 +31,15 @@ struct DeepestVerticesOptions {
   QueryBudget budget = {};  ///< when the query has to end; the default has no limits
 };
 
-struct [[nodiscard]] DeepestVertices {
+/// The deepest vertices of two bodies.
+struct DeepestPair {
   std::optional<DeepestVertex> of_a;  ///< the vertex of a that is deepest in b; none if b contains no vertex of a
   std::optional<DeepestVertex> of_b;  ///< the vertex of b that is deepest in a
   double max_depth = 0;  ///< no vertex of either is deeper in the other: the larger depth, unless the budget was spent
+};
+
+/// What deepest_vertices() has found.
+struct [[nodiscard]] DeepestVertices : DeepestPair {
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 };
@@ -99,7 +104,7 @@ struct [[nodiscard]] SolidDistance {
   double lower = 0, upper = 0;  ///< an interval that holds the signed distance
   Vec3 translation;             ///< moved by it, b is apart from a: as long as -lower; 0 if they are known to be apart
   std::optional<Witness> witness;  ///< the closest points, if the bodies are apart
-  DeepestVertices deepest;         ///< without statistics of its own
+  DeepestPair deepest;             ///< the vertices of each that are deepest in the other
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};
 

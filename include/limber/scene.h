@@ -323,7 +323,7 @@ class Scene {
   ///
   /// Promise  As within() for two models. The same result, to the bit, on any number of threads. Which of several such
   ///          pairs is named is not defined beyond that.
-  /// Budget   If it is spent before a pair is found, the answer is unknown.
+  /// Budget   If it is spent before a pair is found, the answer is undecided.
   /// Throws   As candidate_pairs(), and unless max_distance is finite and >= 0.
   /// Cost     That of candidate_pairs() and of asking them, on the threads of the calling oneTBB arena. Allocates some
   ///          kB.
@@ -348,7 +348,7 @@ class Scene {
   LIMBER_API void closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
                                        std::span<ClosestObjectsResult> results,
                                        const ClosestObjectsOptions& options = {}) const;
-  /// Asks any_within() of many configurations. All else as above; those that are left when time is up are unknown.
+  /// Asks any_within() of many configurations. All else as above; those that are left when time is up are undecided.
   LIMBER_API void any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
                                   std::span<AnyWithinResult> results, const AnyWithinOptions& options = {}) const;
 

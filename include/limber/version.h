@@ -3,8 +3,8 @@
 #pragma once
 
 /// The version of these headers. docs/guide/install.md, "Versions", says what a version may change.
-#define LIMBER_VERSION_MAJOR 0
-#define LIMBER_VERSION_MINOR 2
+#define LIMBER_VERSION_MAJOR 1
+#define LIMBER_VERSION_MINOR 0
 #define LIMBER_VERSION_PATCH 0
 
 /// Whether these headers are of a version or a later one, for #if.

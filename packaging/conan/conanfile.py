@@ -11,7 +11,7 @@ from conan.tools.files import copy
 
 class Limber(ConanFile):
     name = "limber"
-    version = "0.2.0"
+    version = "1.0.0"
     description = "Collision and distance for triangle meshes that deform"
     license = "BSD-3-Clause"
     package_type = "library"

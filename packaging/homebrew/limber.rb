@@ -4,7 +4,7 @@
 # Of the archive that ./dev release makes: brew install --formula packaging/homebrew/limber.rb
 class Limber < Formula
   desc "Collision and distance for triangle meshes that deform"
-  url "file://#{File.expand_path("../../build/publish/limber-0.2.0.tar.gz", __dir__)}"
+  url "file://#{File.expand_path("../../build/publish/limber-1.0.0.tar.gz", __dir__)}"
   license "BSD-3-Clause"
 
   depends_on "boost" => :build

@@ -5,7 +5,7 @@
 { pkgs ? import <nixpkgs> { } }:
 pkgs.stdenv.mkDerivation {
   pname = "limber";
-  version = "0.2.0";
+  version = "1.0.0";
   src = ../..;
   nativeBuildInputs = [ pkgs.cmake pkgs.ninja ];
   buildInputs = [ pkgs.boost pkgs.cli11 pkgs.fmt pkgs.libhwy pkgs.nlohmann_json pkgs.tbb_2021_11 ];

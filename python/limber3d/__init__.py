@@ -74,6 +74,7 @@ __all__ = [
     "CollisionManager",
     "Contacts",
     "DeepestVertex",
+    "DeepestPair",
     "DeepestVertices",
     "DisplacementLimits",
     "DistanceResult",

@@ -294,7 +294,7 @@ def any_within_many(
     progress: bool = False,
 ) -> RecordArray:
     """Scene.any_within() of many configurations: an array of records, limber3d.any_within_dtype. Field `is_yes` is
-    true where two objects are within the distance, `answer` an Answer: unknown where the budget was spent. Everything
+    true where two objects are within the distance, `answer` an Answer: undecided where the budget was spent. Everything
     else is as closest_objects_many() says."""
     batch = _core.SceneBatch(scene, ids, poses, filter, threads)
 

@@ -54,19 +54,17 @@ class MovingModelObject {
   bool has_motion_ = false;
 };
 
-/// A filter as Python passes it: called with the kind of a pair and two ids.
+/// A filter as Python passes it: called with an ElementPair.
 struct ElementFilter {
   nb::object function;
-  bool operator()(const ElementPair& pair) const {
-    return nb::cast<bool>(nb::bool_(function(nb::cast(pair.kind), pair.a, pair.b)));
-  }
+  bool operator()(const ElementPair& pair) const { return nb::cast<bool>(nb::bool_(function(pair))); }
 };
 
 /// The options that all queries have, and whether they need the GIL.
 struct ImpactArguments {
-  ImpactArguments(double max_time, double time_error, double min_separation, double nearer_part, nb::handle filter,
-                  bool parallel, const BudgetObject* budget)
-      : options{max_time, time_error, min_separation, nearer_part} {
+  ImpactArguments(double max_time, double time_error, double min_separation, double separation_fraction,
+                  nb::handle filter, bool parallel, const BudgetObject* budget)
+      : options{max_time, time_error, min_separation, separation_fraction} {
     options.budget = budget_of(budget), options.parallel = parallel && filter.is_none();  // this thread holds the GIL
     if (filter.is_none()) return;
     if (PyCallable_Check(filter.ptr()) == 0) throw nb::type_error("filter: expected None or something to call");
@@ -83,9 +81,9 @@ struct ImpactArguments {
 };
 
 ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
-                               double min_separation, double nearer_part, bool ignore_crossings, bool any_contact,
-                               nb::handle filter, bool parallel, const BudgetObject* budget) {
-  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, parallel, budget);
+                               double min_separation, double separation_fraction, bool ignore_crossings,
+                               bool any_contact, nb::handle filter, bool parallel, const BudgetObject* budget) {
+  ImpactArguments given(max_time, time_error, min_separation, separation_fraction, filter, parallel, budget);
   given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use_a = a.use(), use_b = b.use();
   return without_gil_unless(given.needs_gil(),
@@ -93,9 +91,9 @@ ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, doubl
 }
 
 ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
-                                    double nearer_part, bool ignore_crossings, bool any_contact, nb::handle filter,
-                                    bool parallel, const BudgetObject* budget) {
-  ImpactArguments given(max_time, time_error, min_separation, nearer_part, filter, parallel, budget);
+                                    double separation_fraction, bool ignore_crossings, bool any_contact,
+                                    nb::handle filter, bool parallel, const BudgetObject* budget) {
+  ImpactArguments given(max_time, time_error, min_separation, separation_fraction, filter, parallel, budget);
   given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use = model.use();
   return without_gil_unless(given.needs_gil(), [&] { return self_time_of_impact(use.moving, given.options); });
@@ -111,8 +109,9 @@ nb::object found_impacts(const char* class_name, nb::handle dtype, const Search&
 }
 
 Named<"Impacts"> impacts_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
-                            double min_separation, double nearer_part, bool parallel, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), parallel, budget);
+                            double min_separation, double separation_fraction, bool parallel,
+                            const BudgetObject* budget) {
+  const ImpactArguments given(max_time, time_error, min_separation, separation_fraction, nb::none(), parallel, budget);
   const auto use_a = a.use(), use_b = b.use();
   return found_impacts<Impact>("Impacts", dtypes().impact, [&](auto visit) {
     return visit_impacts(use_a.moving, use_b.moving, visit, given.options);
@@ -120,8 +119,8 @@ Named<"Impacts"> impacts_of(MovingModelObject& a, MovingModelObject& b, double m
 }
 
 Named<"Impacts"> self_impacts_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
-                                 double nearer_part, bool parallel, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, time_error, min_separation, nearer_part, nb::none(), parallel, budget);
+                                 double separation_fraction, bool parallel, const BudgetObject* budget) {
+  const ImpactArguments given(max_time, time_error, min_separation, separation_fraction, nb::none(), parallel, budget);
   const auto use = model.use();
   return found_impacts<Impact>("Impacts", dtypes().impact,
                                [&](auto visit) { return visit_self_impacts(use.moving, visit, given.options); });
@@ -145,16 +144,14 @@ Named<"ImpactCandidates"> self_impact_candidates_of(MovingModelObject& model, do
   });
 }
 
-ElementState state_of_pair(MovingModelObject& a, MovingModelObject& b, ElementPair::Kind kind, std::uint32_t id_a,
-                           std::uint32_t id_b, double time) {
+ElementState state_of_pair(MovingModelObject& a, MovingModelObject& b, const ElementPair& elements, double time) {
   const auto use_a = a.use(), use_b = b.use();
-  return state_of(use_a.moving, use_b.moving, {kind, id_a, id_b}, time);
+  return state_of(use_a.moving, use_b.moving, elements, time);
 }
 
-ElementState self_state_of_pair(MovingModelObject& model, ElementPair::Kind kind, std::uint32_t id_a,
-                                std::uint32_t id_b, double time) {
+ElementState self_state_of_pair(MovingModelObject& model, const ElementPair& elements, double time) {
   const auto use = model.use();
-  return self_state_of(use.moving, {kind, id_a, id_b}, time);
+  return self_state_of(use.moving, elements, time);
 }
 
 /// Displacements as Python passes them: an array of one number for each vertex.
@@ -222,10 +219,11 @@ void bind_values(nb::module_& m) {
       .value("vertex_face", ElementPair::Kind::vertex_face, docs::ElementPair_vertex_face)
       .value("face_vertex", ElementPair::Kind::face_vertex, docs::ElementPair_face_vertex)
       .value("edge_edge", ElementPair::Kind::edge_edge, docs::ElementPair_edge_edge);
-  ValueClass<ElementPair>(m, "ElementPair", docs::ElementPair)
-      .field("kind", &ElementPair::kind, "An ElementPairKind.")
-      .field("a", &ElementPair::a, docs::ElementPair_a)
-      .field("b", &ElementPair::b, docs::ElementPair_a);
+  ValueClass<ElementPair> pair(m, "ElementPair", docs::ElementPair);
+  pair.field("kind", &ElementPair::kind, "An ElementPairKind.");
+  pair.field("a", &ElementPair::a, docs::ElementPair_a);
+  pair.field("b", &ElementPair::b, docs::ElementPair_a);
+  pair.binding().def(nb::init<ElementPair::Kind, std::uint32_t, std::uint32_t>(), "kind"_a, "a"_a, "b"_a);
   ValueClass<ImpactResult>(m, "ImpactResult", "When two models touch first.")
       .field("status", &ImpactResult::status, "An ImpactStatus.")
       .field("lower", &ImpactResult::lower, docs::ImpactResult_lower)
@@ -264,8 +262,8 @@ const std::string threads_note = std::string("\n\nparallel: ") + docs::ImpactOpt
 std::string first_documentation(const char* what) {
   return std::string(what) + options_documentation + "\n\nignore_crossings: " + docs::ImpactOptions_ignore_crossings +
          "\n\nany_contact: " + docs::ImpactOptions_any_contact +
-         "\n\nfilter: None, or called with an ElementPairKind and two ids: whether these elements count. " +
-         docs::ImpactOptions_filter + threads_note;
+         "\n\nfilter: None, or called with an ElementPair: whether it counts. " + docs::ImpactOptions_filter +
+         threads_note;
 }
 
 void bind_moving_models(nb::module_& m) {
@@ -274,12 +272,12 @@ void bind_moving_models(nb::module_& m) {
       .def("set_motion", &MovingModelObject::set_motion, "end_positions"_a, "start_pose"_a = nb::none(),
            "end_pose"_a = nb::none(), docs::MovingModel_set_motion);
   m.def("time_of_impact", &time_of_impact_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignore_crossings"_a = false, "any_contact"_a = false,
+        "min_separation"_a = 0.0, "separation_fraction"_a = 0.0, "ignore_crossings"_a = false, "any_contact"_a = false,
         "filter"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
         first_documentation("The first time at which two moving models touch; or two rigid bodies on their way.")
             .c_str());
   m.def("self_time_of_impact", &self_time_of_impact_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0,
-        "time_error"_a = 0.0, "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "ignore_crossings"_a = false,
+        "time_error"_a = 0.0, "min_separation"_a = 0.0, "separation_fraction"_a = 0.0, "ignore_crossings"_a = false,
         "any_contact"_a = false, "filter"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
         first_documentation(docs::self_time_of_impact).c_str());
   const std::string impacts =
@@ -288,10 +286,10 @@ void bind_moving_models(nb::module_& m) {
           "Budget   As intersections().\nReturns  Records of limber3d.impact_dtype.") +
       options_documentation + threads_note + impact_fields();
   m.def("impacts", &impacts_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(),
+        "min_separation"_a = 0.0, "separation_fraction"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(),
         impacts.c_str());
   m.def("self_impacts", &self_impacts_of, "model"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
-        "min_separation"_a = 0.0, "nearer_part"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(),
+        "min_separation"_a = 0.0, "separation_fraction"_a = 0.0, "parallel"_a = false, "budget"_a = nb::none(),
         impacts.c_str());
   const std::string candidates = std::string(docs::visit_impact_candidates) + threads_note +
                                  "\nBudget   As intersections().\nReturns  Records of limber3d.element_pair_dtype." +
@@ -326,8 +324,8 @@ void bind_element_states(nb::module_& m) {
           "point_b", [](const ElementState& s) { return array_of(s.point_b); }, docs::ElementState_point_a)
       .def_prop_ro(
           "normal", [](const ElementState& s) { return array_of(s.normal); }, docs::ElementState_normal);
-  m.def("state_of", &state_of_pair, "a"_a, "b"_a, "kind"_a, "id_a"_a, "id_b"_a, "time"_a, docs::state_of);
-  m.def("self_state_of", &self_state_of_pair, "model"_a, "kind"_a, "id_a"_a, "id_b"_a, "time"_a, docs::state_of);
+  m.def("state_of", &state_of_pair, "a"_a, "b"_a, "elements"_a, "time"_a, docs::state_of);
+  m.def("self_state_of", &self_state_of_pair, "model"_a, "elements"_a, "time"_a, docs::state_of);
 }
 
 void bind_rigid_motions(nb::module_& m) {

@@ -243,7 +243,7 @@ std::string distance_fields() {
 }
 
 std::string collide_fields() {
-  return fields({{"is_yes", "whether the answer is yes; not so where it is unknown, which takes a budget"},
+  return fields({{"is_yes", "whether the answer is yes; not so where it is undecided, which takes a budget"},
                  {"answer", "an Answer"},
                  {"point_a, point_b", witness_points},
                  {"triangle_a, triangle_b", witness_triangles},

@@ -16,9 +16,9 @@
 namespace limber::python {
 namespace {
 
-/// The truth of an answer that may be unknown.
+/// The truth of an answer that may be undecided.
 bool truth_of(const CollideResult& answer) {
-  if (answer.answer != Answer::unknown) return answer.answer == Answer::yes;
+  if (answer.answer != Answer::undecided) return answer.answer == Answer::yes;
   PyErr_SetString(PyExc_RuntimeError, "the budget was spent before there was an answer; see stopped_by");
   throw nb::python_error();
 }
@@ -38,7 +38,7 @@ void bind_enums(nb::module_& m) {
   nb::enum_<Answer>(m, "Answer", nb::is_arithmetic(), docs::Answer)
       .value("no", Answer::no)
       .value("yes", Answer::yes)
-      .value("unknown", Answer::unknown, docs::Answer_unknown);
+      .value("undecided", Answer::undecided, docs::Answer_undecided);
   nb::enum_<FeatureKind>(m, "FeatureKind", nb::is_arithmetic(), "A part of a triangle.")
       .value("vertex", FeatureKind::vertex)
       .value("edge", FeatureKind::edge)
@@ -78,7 +78,7 @@ void bind_answers(nb::module_& m) {
       .field("stats", &DistanceResult::stats, docs::QueryStats);
   ValueClass<CollideResult>(m, "CollideResult",
                             "The answer of collide() and within(). It is true where the answer is yes, false where it "
-                            "is no. Its truth raises RuntimeError where the answer is unknown, which takes a budget.")
+                            "is no. Its truth raises RuntimeError where the answer is undecided, which takes a budget.")
       .field("answer", &CollideResult::answer, docs::Answer)
       .field("witness", &CollideResult::witness, docs::CollideResult_witness)
       .field("stopped_by", &CollideResult::stopped_by, docs::CollideResult_stopped_by)

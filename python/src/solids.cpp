@@ -122,10 +122,15 @@ void bind_penetration(nb::module_& m) {
       .field("position", &DeepestVertex::position, "Where it is, in the world.")
       .field("closest", &DeepestVertex::closest, docs::DeepestVertex_closest)
       .field("direction", &DeepestVertex::direction, docs::DeepestVertex_direction);
-  ValueClass<DeepestVertices>(m, "DeepestVertices", "What deepest_vertices() has found.")
-      .field("of_a", &DeepestVertices::of_a, docs::DeepestVertices_of_a)
-      .field("of_b", &DeepestVertices::of_b, docs::DeepestVertices_of_b)
-      .field("max_depth", &DeepestVertices::max_depth, docs::DeepestVertices_max_depth)
+  using Deepest = std::optional<DeepestVertex>;
+  ValueClass<DeepestPair>(m, "DeepestPair", docs::DeepestPair)
+      .field("of_a", &DeepestPair::of_a, docs::DeepestPair_of_a)
+      .field("of_b", &DeepestPair::of_b, docs::DeepestPair_of_b)
+      .field("max_depth", &DeepestPair::max_depth, docs::DeepestPair_max_depth);
+  ValueClass<DeepestVertices>(m, "DeepestVertices", docs::DeepestVertices)
+      .field<Deepest>("of_a", &DeepestVertices::of_a, docs::DeepestPair_of_a)
+      .field<Deepest>("of_b", &DeepestVertices::of_b, docs::DeepestPair_of_b)
+      .field<double>("max_depth", &DeepestVertices::max_depth, docs::DeepestPair_max_depth)
       .field("stopped_by", &DeepestVertices::stopped_by, "Which limit of its budget has ended it.")
       .field("stats", &DeepestVertices::stats, docs::QueryStats);
   ValueClass<SeparatingTranslation>(m, "SeparatingTranslation", docs::SeparatingTranslation)

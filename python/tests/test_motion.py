@@ -65,16 +65,16 @@ def test_threads_give_the_same_answers(ball: limber3d.Model, plate: limber3d.Mod
         assert self_impacts(moving, parallel=True).records.tolist() == self_impacts(moving).records.tolist()
 
 
-def test_filters_get_kinds_and_ids(ball: limber3d.Model, plate: limber3d.Model) -> None:
+def test_filters_get_pairs_of_elements(ball: limber3d.Model, plate: limber3d.Model) -> None:
     asked = []
 
-    def not_a_vertex(kind: limber3d.ElementPairKind, a: int, b: int) -> bool:
-        asked.append((kind, a, b))
-        return kind == Kind.edge_edge
+    def not_a_vertex(pair: limber3d.ElementPair) -> bool:
+        asked.append(pair)
+        return pair.kind == Kind.edge_edge
 
     with_filter = limber3d.time_of_impact(falling(ball, 3, -1), still(plate), filter=not_a_vertex)
     assert with_filter.elements is None or with_filter.elements.kind == Kind.edge_edge
-    assert {kind for kind, _, _ in asked} >= {Kind.vertex_face}
+    assert {pair.kind for pair in asked} >= {Kind.vertex_face}
     with pytest.raises(TypeError, match="filter"):
         limber3d.time_of_impact(falling(ball, 3, -1), still(plate), filter=3)
 
@@ -106,21 +106,21 @@ def test_a_state_says_how_elements_lie(ball: limber3d.Model, plate: limber3d.Mod
     moving, floor = falling(ball, 3, -1), still(plate)
     found = limber3d.time_of_impact(moving, floor)
     assert found.elements is not None and found.witness is not None
-    state = limber3d.state_of(moving, floor, found.elements.kind, found.elements.a, found.elements.b, found.upper)
+    state = limber3d.state_of(moving, floor, found.elements, found.upper)
     assert state.normal == pytest.approx(found.normal) and state.point_a == pytest.approx(found.witness.point_a)
     part_a, part_b = state.vertices[: state.count_of_a], state.vertices[state.count_of_a :]
     now = ball.vertices + [0.1, 0.2, 3 - 4 * found.upper]
     assert state.weights[: state.count_of_a] @ now[part_a] == pytest.approx(state.point_a)
     assert state.weights[state.count_of_a :] @ plate.vertices[part_b] == pytest.approx(state.point_b, abs=1e-15)
     with pytest.raises(ValueError, match="id"):
-        limber3d.self_state_of(floor, Kind.edge_edge, 0, 99, 0.0)
+        limber3d.self_state_of(floor, limber3d.ElementPair(Kind.edge_edge, 0, 99), 0.0)
 
 
 def test_a_model_may_start_nearer_than_the_separation(ball: limber3d.Model, plate: limber3d.Model) -> None:
     rises = falling(ball, 1.1, 3)
     assert limber3d.time_of_impact(rises, still(plate), min_separation=0.5).status == Status.initial_contact
-    assert limber3d.time_of_impact(rises, still(plate), min_separation=0.5, nearer_part=0.5).status == Status.clear
-    assert len(limber3d.impacts(rises, still(plate), min_separation=0.5, nearer_part=0.5)) == 0
+    assert limber3d.time_of_impact(rises, still(plate), min_separation=0.5, separation_fraction=0.5).status == Status.clear
+    assert len(limber3d.impacts(rises, still(plate), min_separation=0.5, separation_fraction=0.5)) == 0
 
 
 def test_a_model_folds_onto_itself() -> None:

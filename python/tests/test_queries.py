@@ -137,7 +137,7 @@ def test_a_flag_cancels_queries(ball: limber3d.Model) -> None:
     assert limber3d.collide(ball, ball, budget=budget)
     flag.set()
     cancelled = limber3d.collide(ball, ball, pose_b=([1, 0.2, 0.1, 0], [1.9, 0, 0]), budget=budget)
-    assert cancelled.answer is limber3d.Answer.unknown and cancelled.stopped_by is limber3d.StoppedBy.cancel
+    assert cancelled.answer is limber3d.Answer.undecided and cancelled.stopped_by is limber3d.StoppedBy.cancel
     assert not cancelled.is_yes and not cancelled.is_no
     with pytest.raises(RuntimeError, match="before there was an answer"):
         bool(cancelled)

@@ -48,7 +48,7 @@ def test_budgets_end_queries_of_pairs(ball: limber3d.Model) -> None:
     ):
         for found in (scene.collide(pairs, budget=budget), scene.within(pairs, 1.0, budget=budget)):
             assert not found["is_yes"].any()  # bounds alone may say no
-            assert found["answer"][1] == limber3d.Answer.unknown and found["stopped_by"][1] == stopped_by
+            assert found["answer"][1] == limber3d.Answer.undecided and found["stopped_by"][1] == stopped_by
         distances = scene.distance(pairs, budget=budget)
         assert (distances["status"] == limber3d.DistanceStatus.interrupted).all()
     enough = limber3d.QueryBudget(max_steps=100000)

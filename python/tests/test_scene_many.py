@@ -180,7 +180,7 @@ def test_budgets_leave_answers_open(scene: limber3d.Scene, ball: limber3d.Model)
     assert (closest["status"] == limber3d.DistanceStatus.interrupted).all() and numpy.isinf(closest["upper"]).all()
     assert (closest["stopped_by"] == limber3d.StoppedBy.deadline).all() and (closest["lower"] == 0).all()
     close = limber3d.any_within_many(scene, IDS, poses, 1.0, budget=late)
-    assert not close["is_yes"].any() and (close["answer"] == limber3d.Answer.unknown).all()
+    assert not close["is_yes"].any() and (close["answer"] == limber3d.Answer.undecided).all()
     steps = limber3d.QueryBudget(max_steps=0)
     true, rough = scene.closest_objects().result, scene.closest_objects(budget=steps).result
     assert rough.lower <= true.lower <= true.upper <= rough.upper

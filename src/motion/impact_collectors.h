@@ -22,11 +22,12 @@ inline ElementImpactOptions of_elements(const ImpactOptions& options) {
 /// The impact of two elements; of those that are nearer than the separation at the start, with a part of their distance
 /// as separation.
 inline ElementImpact impact_of(const MovingElements& elements, const ElementImpactOptions& options,
-                               double nearer_part) {
+                               double separation_fraction) {
   const ElementImpact impact = impact_of(elements, options);
-  if (impact.status != ImpactStatus::initial_contact || nearer_part == 0 || options.min_separation == 0) return impact;
+  if (impact.status != ImpactStatus::initial_contact || separation_fraction == 0 || options.min_separation == 0)
+    return impact;
   ElementImpactOptions nearer = options;
-  nearer.min_separation = nearer_part * start_distance(elements);
+  nearer.min_separation = separation_fraction * start_distance(elements);
   return impact_of(elements, nearer);
 }
 
@@ -41,7 +42,7 @@ class FirstImpact {
  public:
   explicit FirstImpact(const ImpactOptions& options)
       : options_(of_elements(options)),
-        nearer_part_(options.nearer_part),
+        separation_fraction_(options.separation_fraction),
         filter_(options.filter),
         any_(options.any_contact) {}
 
@@ -53,7 +54,7 @@ class FirstImpact {
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     if (filter_ && !(*filter_)(pair)) return;
-    const ElementImpact impact = impact_of(elements, options_, nearer_part_);
+    const ElementImpact impact = impact_of(elements, options_, separation_fraction_);
     if (impact.status == ImpactStatus::clear) return;
     // What touches later than `lower` cannot change it. With an error it is as early as that allows, so that others
     // that touch at about the same time need not be told apart.
@@ -70,7 +71,7 @@ class FirstImpact {
 
  private:
   ElementImpactOptions options_;
-  double nearer_part_;
+  double separation_fraction_;
   std::optional<ElementPairFilter> filter_;
   bool any_;
 };
@@ -79,7 +80,10 @@ class FirstImpact {
 class AllImpacts {
  public:
   AllImpacts(const ImpactOptions& options, ImpactVisitor visit)
-      : options_(of_elements(options)), nearer_part_(options.nearer_part), filter_(options.filter), visit_(visit) {}
+      : options_(of_elements(options)),
+        separation_fraction_(options.separation_fraction),
+        filter_(options.filter),
+        visit_(visit) {}
 
   double max_time() const { return options_.max_time; }
   bool is_done() const { return is_stopped_; }
@@ -87,7 +91,7 @@ class AllImpacts {
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     if (filter_ && !(*filter_)(pair)) return;
-    const ElementImpact impact = impact_of(elements, options_, nearer_part_);
+    const ElementImpact impact = impact_of(elements, options_, separation_fraction_);
     if (impact.status == ImpactStatus::clear) return;
     ++count;
     is_stopped_ = !visit_({pair, impact});
@@ -97,7 +101,7 @@ class AllImpacts {
 
  private:
   ElementImpactOptions options_;
-  double nearer_part_;
+  double separation_fraction_;
   std::optional<ElementPairFilter> filter_;
   ImpactVisitor visit_;
   bool is_stopped_ = false;

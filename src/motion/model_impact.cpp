@@ -21,8 +21,8 @@ namespace {
 
 void check_options(const ImpactOptions& options, const char* function) {
   check(of_elements(options), function);
-  LIMBER_REQUIRE(options.nearer_part >= 0 && options.nearer_part < 1,
-                 (std::string(function) + ": nearer_part is not from 0 to below 1").c_str());
+  LIMBER_REQUIRE(options.separation_fraction >= 0 && options.separation_fraction < 1,
+                 (std::string(function) + ": separation_fraction is not from 0 to below 1").c_str());
 }
 
 /// Sets elements, witness and normal of a contact, as they are at the time `upper`.

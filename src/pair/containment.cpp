@@ -37,7 +37,7 @@ class InsideSearch {
       const Vec3 center = center_of(next.slot);
       const double radius = radius_of(next.slot);
       if (is_off_solid(center, radius)) continue;
-      if (meter.is_spent(steps)) return Answer::unknown;
+      if (meter.is_spent(steps)) return Answer::undecided;
       ++steps;
       // A volume as large as the solid that is next to it most likely meets its surface.
       if (radius < radius_of_solid_ && !meets_surface(center, radius)) {
@@ -55,7 +55,7 @@ class InsideSearch {
         if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) continue;  // the slot is not in use
         const Vec3 corner = model_.position(leaf.vertices[k][0]);
         if (is_off_solid(corner, 0)) continue;
-        if (meter.is_spent(steps)) return Answer::unknown;
+        if (meter.is_spent(steps)) return Answer::undecided;
         ++steps;
         if (!is_inside(corner)) continue;
         take(leaf, k);
@@ -130,7 +130,7 @@ Containment find_containment(const Placed& a, const Placed& b, std::uint64_t ste
   // A core in one piece is inside as a whole or not at all, since the surfaces do not meet: its first vertex is enough.
   for (const bool is_in_a : {true, false}) {
     if (!is_solid(is_in_a)) continue;
-    if (meter.is_spent(steps)) return {Answer::unknown, {}};
+    if (meter.is_spent(steps)) return {Answer::undecided, {}};
     ++steps;
     InsideSearch& search = searches[is_in_a ? 0 : 1];
     if (search.begins_inside()) return found(search, is_in_a);
@@ -140,7 +140,7 @@ Containment find_containment(const Placed& a, const Placed& b, std::uint64_t ste
     InsideSearch& search = searches[is_in_a ? 0 : 1];
     const Answer answer = search.run(steps, meter);
     if (answer == Answer::yes) return found(search, is_in_a);
-    if (answer == Answer::unknown) return {answer, {}};
+    if (answer == Answer::undecided) return {answer, {}};
   }
   return {};
 }

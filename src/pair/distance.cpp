@@ -26,7 +26,7 @@ using pair::BudgetMeter;
 /// The answer of a search that has stopped with this witness, or with none.
 CollideResult answer_of(const std::optional<Witness>& witness, StoppedBy stopped_by, const QueryStats& stats) {
   if (witness) return {Answer::yes, witness, StoppedBy::nothing, stats};
-  return {stopped_by == StoppedBy::nothing ? Answer::no : Answer::unknown, std::nullopt, stopped_by, stats};
+  return {stopped_by == StoppedBy::nothing ? Answer::no : Answer::undecided, std::nullopt, stopped_by, stats};
 }
 
 /// Below that distance of cores, rounding could make a pair that is skipped as a tie one whose swept triangles meet.
@@ -51,7 +51,7 @@ void look_inside(CollideResult& result, const Placed& a, const Placed& b, const 
   if (!result.is_no() || !may_contain(a, b, placed)) return;
   const pair::Containment found = find_containment(a, b, unsearched, meter, result.stats);
   result.answer = found.answer, result.witness = found.witness;
-  if (found.answer == Answer::unknown) result.stopped_by = meter.stopped_by();
+  if (found.answer == Answer::undecided) result.stopped_by = meter.stopped_by();
 }
 
 void look_inside(DistanceResult& result, const Placed& a, const Placed& b, const pair::PlacedPair& placed,

@@ -22,9 +22,8 @@ DeepestVertices deepest_vertices(const PlacedSurface& a, const PlacedSurface& b,
   const base::DefaultFloatEnvironment environment;
   const point::PlacedModel placed_a(Access::placed(a)), placed_b(Access::placed(b));
   penetration::Meter meter(options.budget);
-  DeepestVertices result = penetration::find_deepest(placed_a, placed_b, meter);
-  result.stats = meter.stats;
-  return result;
+  const DeepestPair found = penetration::find_deepest(placed_a, placed_b, meter);
+  return {found, meter.stopped_by(), meter.stats};
 }
 
 SeparatingTranslation separating_translation(const PlacedSurface& a, const PlacedSurface& b, const Vec3& direction,

@@ -53,10 +53,10 @@ struct PointSample {
 
 }  // namespace
 
-DeepestVertices find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, Meter& meter) {
+DeepestPair find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, Meter& meter) {
   DeepestVertexSearch of_a(a, b), of_b(b, a);
   of_a.run(meter), of_b.run(meter);
-  return {of_a.deepest(), of_b.deepest(), std::max({of_a.upper(), of_b.upper(), 0.0}), meter.stopped_by(), {}};
+  return {of_a.deepest(), of_b.deepest(), std::max({of_a.upper(), of_b.upper(), 0.0})};
 }
 
 ShortestTranslation::ShortestTranslation(const Placed& a, const Placed& b, double relative_error, Meter& meter)
@@ -94,7 +94,7 @@ bool ShortestTranslation::accept(const Vec3& translation) {
   return true;
 }
 
-void ShortestTranslation::run(const DeepestVertices& deepest) {
+void ShortestTranslation::run(const DeepestPair& deepest) {
   look_at_contacts();
   raise_lower(deepest);
   add_directions(deepest);
@@ -126,7 +126,7 @@ void ShortestTranslation::look_at_contacts() {
   for (std::size_t i = 1, n = starts_.size(); i < n; ++i) starts_.push_back(0.5 * (starts_[i] + starts_[i - 1]));
 }
 
-void ShortestTranslation::raise_lower(const DeepestVertices& deepest) {
+void ShortestTranslation::raise_lower(const DeepestPair& deepest) {
   for (const auto& vertex : {deepest.of_a, deepest.of_b}) {
     if (!vertex) continue;
     lower_ = std::max(lower_, vertex->depth);
@@ -141,7 +141,7 @@ void ShortestTranslation::raise_lower(const DeepestVertices& deepest) {
   if (max_abs(between) > 0) directions_.push_back(unit(between));
 }
 
-void ShortestTranslation::add_directions(const DeepestVertices& deepest) {
+void ShortestTranslation::add_directions(const DeepestPair& deepest) {
   if (deepest.of_a) directions_.push_back(-deepest.of_a->direction);
   if (deepest.of_b) directions_.push_back(deepest.of_b->direction);
   const Vec3 between = center_of(b_) - center_of(a_);
@@ -189,7 +189,7 @@ void ShortestTranslation::look_around() {
 }
 
 /// Moves b by what the deepest vertex has to go, again and again. That finds the way where b is in a cavity of a.
-void ShortestTranslation::push_out(DeepestVertices deepest) {
+void ShortestTranslation::push_out(DeepestPair deepest) {
   Vec3 translation;
   for (int i = 0; i < most_pushes && (deepest.of_a || deepest.of_b); ++i) {
     const bool is_of_a = deepest.of_a && (!deepest.of_b || deepest.of_a->depth >= deepest.of_b->depth);
@@ -200,7 +200,7 @@ void ShortestTranslation::push_out(DeepestVertices deepest) {
     if (!(geometry::safe_length(translation) < upper_) || !geometry::is_rigid(b.pose)) return;
     deepest = find_deepest(placed_a_, point::PlacedModel(b), meter_);
   }
-  if (!deepest.of_a && !deepest.of_b && deepest.stopped_by == StoppedBy::nothing) accept(translation);
+  if (!deepest.of_a && !deepest.of_b && meter_.stopped_by() == StoppedBy::nothing) accept(translation);
 }
 
 }  // namespace limber::penetration

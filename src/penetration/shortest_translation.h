@@ -21,7 +21,7 @@ class ShortestTranslation {
   ShortestTranslation(const Placed& a, const Placed& b, double relative_error, Meter& meter);
 
   /// Pre: the bodies have a common point. `deepest` are their deepest vertices.
-  void run(const DeepestVertices& deepest);
+  void run(const DeepestPair& deepest);
 
   /// Moved by this, b is apart from a.
   const Vec3& translation() const { return translation_; }
@@ -31,13 +31,13 @@ class ShortestTranslation {
  private:
   bool is_done() const;
   bool accept(const Vec3& translation);
-  void raise_lower(const DeepestVertices& deepest);
+  void raise_lower(const DeepestPair& deepest);
   void look_at_contacts();
-  void add_directions(const DeepestVertices& deepest);
+  void add_directions(const DeepestPair& deepest);
   bool shorten_along(const Vec3& direction, SweepResult& found);
   void refine(Vec3 direction, SweepResult found);
   void look_around();
-  void push_out(DeepestVertices deepest);
+  void push_out(DeepestPair deepest);
 
   Placed a_, b_;
   point::PlacedModel placed_a_, placed_b_;
@@ -51,6 +51,6 @@ class ShortestTranslation {
 };
 
 /// The deepest vertices of two placed bodies.
-DeepestVertices find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, Meter& meter);
+DeepestPair find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, Meter& meter);
 
 }  // namespace limber::penetration

@@ -83,7 +83,7 @@ AnyWithinResult AnyWithinSearch::run(std::optional<ObjectPairFilter> filter) {
   if (goes_on) ask_waiting();
   LIMBER_ASSERT(found_.result.is_yes() == found_.result.witness.has_value());
   if (!found_.result.is_yes()) {
-    found_.result.answer = stopped_by_ == StoppedBy::nothing ? Answer::no : Answer::unknown;
+    found_.result.answer = stopped_by_ == StoppedBy::nothing ? Answer::no : Answer::undecided;
     found_.result.stopped_by = stopped_by_;
   }
   return found_;

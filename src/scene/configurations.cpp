@@ -104,10 +104,10 @@ void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const 
       scene, all, options.budget, results,
       [&](const Impl& own) { return scene::find_closest(own, of_each, scene::no_tasks); },
       [](StoppedBy stopped_by) {
-        ClosestObjectsResult unknown;
-        unknown.result.upper = std::numeric_limits<double>::infinity();
-        unknown.result.status = DistanceStatus::interrupted, unknown.result.stopped_by = stopped_by;
-        return unknown;
+        ClosestObjectsResult undecided;
+        undecided.result.upper = std::numeric_limits<double>::infinity();
+        undecided.result.status = DistanceStatus::interrupted, undecided.result.stopped_by = stopped_by;
+        return undecided;
       });
 }
 
@@ -126,9 +126,9 @@ void Scene::any_within_many(std::span<const ObjectId> ids, std::span<const Trans
       scene, all, options.budget, results,
       [&](const Impl& own) { return scene::find_any_within(own, max_distance, of_each, scene::no_tasks); },
       [](StoppedBy stopped_by) {
-        AnyWithinResult unknown;
-        unknown.result.stopped_by = stopped_by;
-        return unknown;
+        AnyWithinResult undecided;
+        undecided.result.stopped_by = stopped_by;
+        return undecided;
       });
 }
 

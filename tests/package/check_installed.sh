@@ -124,7 +124,10 @@ check_missing_component() {
 check_exports() {
   local library
   for library in limber limber_io; do
-    nm -D --defined-only -C "$libraries/lib$library.so" | sed -E 's/^[0-9a-f]+ . //' | LC_ALL=C sort -u |
+    [[ $(readelf --wide --version-info "$libraries/lib$library.so") == *'Name: LIMBER_'* ]] ||
+      die "lib$library.so gives its symbols no version"
+    nm -D --defined-only --without-symbol-versions -C "$libraries/lib$library.so" |
+      sed -E '/ A LIMBER_/d; s/^[0-9a-f]+ . //' | LC_ALL=C sort -u |
       diff "$here/exports/$library.txt" - ||
       die "lib$library.so does not show (<), or shows (>), what tests/package/exports/$library.txt has"
   done

@@ -205,7 +205,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
         const double limit = rng.below(2) == 0 ? 0 : truth.distance * rng.uniform(0.5, 1.5);
         const CollideResult found = limit == 0 ? collide(a, b, options) : within(a, b, limit, options);
         ASSERT_EQ(wrong_answer(found, limit, a, b, truth), "");
-        unknown += found.answer == Answer::unknown ? 1 : 0;
+        unknown += found.answer == Answer::undecided ? 1 : 0;
         contacts += truth.distance == 0 ? 1 : 0;
       }
       const bool is_a = rng.below(2) == 0;

@@ -72,7 +72,7 @@ std::string wrong_answer(const CollideResult& r, double limit, const Placed& a, 
   const double tolerance = limit == 0 ? 0 : truth.tolerance;
   if (r.is_yes() && truth.distance > limit + tolerance) return "yes is wrong";
   if (r.is_no() && truth.distance <= limit - tolerance) return "no is wrong";
-  if ((r.answer == Answer::unknown) != (r.stopped_by != StoppedBy::nothing)) return "interrupted by nothing";
+  if ((r.answer == Answer::undecided) != (r.stopped_by != StoppedBy::nothing)) return "interrupted by nothing";
   if (r.witness.has_value() != r.is_yes()) return "a witness is missing, or there without reason";
   return r.witness && limit == 0 ? wrong_witness(*r.witness, a, b, 0, truth.tolerance) : "";
 }

@@ -67,7 +67,7 @@ TEST(Budget, EndsWithCancellation) {
   EXPECT_EQ(found.status, DistanceStatus::interrupted);
   EXPECT_EQ(found.stopped_by, StoppedBy::cancel);
   EXPECT_LE(found.stats.node_tests, 1U);
-  EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::unknown);
+  EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::undecided);
   cancel = false;
   EXPECT_EQ(distance(s.a, s.b, {.budget = budget}).status, DistanceStatus::exact);
 }
@@ -222,7 +222,7 @@ TEST(Endings, OfYesAndNoComeTheSameWay) {
         const Effort effort = ask_to_the_end(2 * whole + 10, [&] {
           const CollideResult found = ask({&cache, {.max_steps = steps}});
           EXPECT_EQ(wrong_answer(found, limit, a, b, truth), "");
-          return std::pair(found.stats, found.answer != Answer::unknown);
+          return std::pair(found.stats, found.answer != Answer::undecided);
         });
         EXPECT_LE(effort.node_tests, 2 * whole + tests_a_call * effort.calls + tests_a_step);
       }

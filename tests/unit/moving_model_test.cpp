@@ -149,7 +149,7 @@ TEST(MovingModel, MayGoOnFromNearerThanTheSeparation) {
   Body box(cube()), floor(plate());
   box.shift({0.1, 0.2, 0.75}, {0.1, 0.2, 1.75});  // up, from 0.25 above the plate
   const auto ask = [&](double part) {
-    return time_of_impact(box.moving, floor.moving, {.min_separation = 0.5, .nearer_part = part});
+    return time_of_impact(box.moving, floor.moving, {.min_separation = 0.5, .separation_fraction = part});
   };
   EXPECT_EQ(ask(0).status, ImpactStatus::initial_contact);
   EXPECT_EQ(ask(0.5).status, ImpactStatus::clear);
@@ -159,11 +159,11 @@ TEST(MovingModel, MayGoOnFromNearerThanTheSeparation) {
   EXPECT_GT(ask(0.5).lower, 0);
   const auto lowest = [](const ElementPair& p) { return p.kind == ElementPair::Kind::vertex_face && p.b == 8; };
   const auto of_lowest =
-      time_of_impact(box.moving, floor.moving, {.min_separation = 0.5, .nearer_part = 0.5, .filter = lowest});
+      time_of_impact(box.moving, floor.moving, {.min_separation = 0.5, .separation_fraction = 0.5, .filter = lowest});
   EXPECT_NEAR(of_lowest.upper, 0.125, 1e-12);
   const auto is_contact = [](const Impact& i) { return i.time.status == ImpactStatus::contact; };
-  EXPECT_TRUE(
-      visit_impacts(box.moving, floor.moving, is_contact, {.min_separation = 0.5, .nearer_part = 0.5}).is_complete);
+  EXPECT_TRUE(visit_impacts(box.moving, floor.moving, is_contact, {.min_separation = 0.5, .separation_fraction = 0.5})
+                  .is_complete);
   // Elements that touch at the start still do.
   box.shift({0.1, 0.2, 0.5}, {0.1, 0.2, 1.5});
   EXPECT_EQ(ask(0.5).status, ImpactStatus::initial_contact);
@@ -389,8 +389,8 @@ TEST_F(MovingModelMisuse, OfOptionsIsRefused) {
                                                        {"time_error", {.time_error = -1}},
                                                        {"time_error", {.time_error = nan}},
                                                        {"min_separation", {.min_separation = -1}},
-                                                       {"nearer_part", {.nearer_part = 1}},
-                                                       {"nearer_part", {.nearer_part = -0.5}},
+                                                       {"separation_fraction", {.separation_fraction = 1}},
+                                                       {"separation_fraction", {.separation_fraction = -0.5}},
                                                        {"min_separation", {.min_separation = nan}},
                                                        {"min_separation", {.min_separation = no_time}}};
   const auto visit = [](const Impact&) { return true; };

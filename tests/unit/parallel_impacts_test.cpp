@@ -142,7 +142,7 @@ TEST(ParallelImpacts, AreThoseOfOneThreadInRandomScenes) {
     ImpactOptions options;
     if (rng.below(3) == 0) options.max_time = rng.uniform();
     if (rng.below(3) == 0) options.time_error = std::ldexp(1.0, -static_cast<int>(rng.below(30)));
-    if (rng.below(3) == 0) options.min_separation = 0.01 * far, options.nearer_part = 0.5;
+    if (rng.below(3) == 0) options.min_separation = 0.01 * far, options.separation_fraction = 0.5;
     const auto is_even = [](const ElementPair& p) { return (p.a + p.b) % 2 == 0; };
     if (rng.below(3) == 0) options.filter = is_even;
     check_motions(a, b, options, totals);

@@ -312,7 +312,7 @@ TEST(SceneBudgets, LeaveConfigurationsOpenWhenTimeIsUp) {
       ASSERT_EQ(closest[k].result.lower, 0);
       ASSERT_EQ(closest[k].result.upper, INFINITY);
       ASSERT_TRUE(closest[k].objects == ObjectPair{} && !closest[k].result.witness);
-      ASSERT_EQ(any[k].result.answer, Answer::unknown);
+      ASSERT_EQ(any[k].result.answer, Answer::undecided);
       ASSERT_EQ(any[k].result.stopped_by, reason);
     }
   }
@@ -345,7 +345,7 @@ TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
       ASSERT_FALSE(any.result.is_no());
       const AnyWithinResult none = plan.scene.any_within(truth * 0.99, {.budget = budget});
       ASSERT_TRUE(truth == 0 || !none.result.is_yes());
-      ASSERT_EQ(none.result.answer == Answer::unknown, none.result.stopped_by != StoppedBy::nothing);
+      ASSERT_EQ(none.result.answer == Answer::undecided, none.result.stopped_by != StoppedBy::nothing);
       // Steps are counted for each pair, so they give the same bits on any number of threads.
       if (budget.deadline || budget.cancel != nullptr) continue;
       std::vector<ClosestObjectsResult> closest(8), again(8);
@@ -373,11 +373,11 @@ TEST(SceneBudgets, EndQueriesOfPairs) {
   std::size_t open = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Placed &a = plan.scene.object(pairs[i].a), &b = plan.scene.object(pairs[i].b);
-    ASSERT_TRUE(collisions[i].answer == Answer::unknown || collisions[i].is_yes() == collide(a, b).is_yes());
-    ASSERT_TRUE(withins[i].answer == Answer::unknown || withins[i].is_yes() == within(a, b, 0.1).is_yes());
+    ASSERT_TRUE(collisions[i].answer == Answer::undecided || collisions[i].is_yes() == collide(a, b).is_yes());
+    ASSERT_TRUE(withins[i].answer == Answer::undecided || withins[i].is_yes() == within(a, b, 0.1).is_yes());
     const double truth = distance(a, b).upper;
     ASSERT_TRUE(distances[i].lower <= truth + 1e-13 && truth <= distances[i].upper + 1e-13);
-    open += distances[i].status == DistanceStatus::interrupted && withins[i].answer == Answer::unknown &&
+    open += distances[i].status == DistanceStatus::interrupted && withins[i].answer == Answer::undecided &&
             collisions[i].stopped_by == StoppedBy::cancel;
   }
   EXPECT_GT(open, pairs.size() / 2);

@@ -113,10 +113,10 @@ void check_budgets(const Placed& a, const Placed& b) {
   for (const std::uint64_t steps : {0, 1, 2, 3, 5, 10, 100}) {
     const QueryBudget budget{.max_steps = steps};
     const CollideResult yes_or_no = collide(a, b, {.budget = budget});
-    if (yes_or_no.answer != Answer::unknown) {
+    if (yes_or_no.answer != Answer::undecided) {
       EXPECT_EQ(yes_or_no.is_yes(), meets);
     }
-    EXPECT_EQ(yes_or_no.answer == Answer::unknown, yes_or_no.stopped_by == StoppedBy::max_steps);
+    EXPECT_EQ(yes_or_no.answer == Answer::undecided, yes_or_no.stopped_by == StoppedBy::max_steps);
     for (const double limit : {endless, 0.01}) {
       const DistanceOptions options{.max_distance = limit, .budget = budget};
       check_distance(distance(a, b, options), options, a, b, truth);

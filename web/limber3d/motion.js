@@ -95,8 +95,8 @@ export const elementPairKinds = Object.freeze(["vertexFace", "faceVertex", "edge
 
 /**
  * @typedef {object} NearerOptions
- * @property {number} [nearerPart] Elements that are nearer than minSeparation at the start may come as near as this
- *   part of their distance then; from 0 to below 1. With 0, the default, they touch at the start.
+ * @property {number} [separationFraction] Elements that are nearer than minSeparation at the start may come as near as
+ *   this fraction of their distance then; from 0 to below 1. With 0, the default, they touch at the start.
  */
 
 /** @typedef {ElementImpactOptions & NearerOptions} ImpactOptions */
@@ -174,10 +174,13 @@ export class Impacts {
   }
 }
 
-const impactOptions = [...elementImpactOptions, "nearerPart"];
+const impactOptions = [...elementImpactOptions, "separationFraction"];
 
 /** @param {ImpactOptions} options */
-const limitsInTimeOf = (options) => [...timesOf(options), numberOf(options.nearerPart, "nearerPart", 0)];
+const limitsInTimeOf = (options) => [
+  ...timesOf(options),
+  numberOf(options.separationFraction, "separationFraction", 0),
+];
 
 /**
  * The options of timeOfImpact() and selfTimeOfImpact(), as the module takes them.

@@ -87,13 +87,13 @@ export const distanceStatuses = Object.freeze(["exact", "withinError", "collisio
 export const stoppedBys = Object.freeze(["nothing", "deadline", "maxSteps"]);
 
 /**
- * What a question of yes or no is answered; "unknown" if a budget was spent before either was proven.
+ * What a question of yes or no is answered; "undecided" if a budget was spent before either was proven.
  *
- * @typedef {"no" | "yes" | "unknown"} Answer
+ * @typedef {"no" | "yes" | "undecided"} Answer
  */
 
 /** What the numbers in `answers` of many answers stand for. @type {readonly Answer[]} */
-export const answers = Object.freeze(["no", "yes", "unknown"]);
+export const answers = Object.freeze(["no", "yes", "undecided"]);
 
 /**
  * @typedef {object} DistanceResult
@@ -106,7 +106,7 @@ export const answers = Object.freeze(["no", "yes", "unknown"]);
  */
 
 /**
- * The answer of collide() and within(). It is "unknown" only where a budget was spent; then isYes and isNo are false.
+ * The answer of collide() and within(). It is "undecided" only where a budget was spent; then isYes and isNo are false.
  *
  * @typedef {object} CollideResult
  * @property {Answer} answer
@@ -114,7 +114,7 @@ export const answers = Object.freeze(["no", "yes", "unknown"]);
  * @property {boolean} isNo
  * @property {Witness | null} witness there exactly when the answer is "yes": the same point if the models meet; else at
  *   most as far apart as was asked, and not necessarily the closest
- * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the answer is "unknown"
+ * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the answer is "undecided"
  * @property {QueryStats} stats
  */
 
@@ -241,7 +241,7 @@ export function distance(a, b, options = none) {
 /**
  * Whether two placed models meet; stops at the first intersecting pair of triangles.
  *
- * Triangles are surfaces: a model wholly inside another does not meet it. With a budget the answer may be "unknown";
+ * Triangles are surfaces: a model wholly inside another does not meet it. With a budget the answer may be "undecided";
  * the next call with the same cache goes on from there. Throws as distance().
  *
  * @param {Body} a

@@ -410,7 +410,7 @@ export class Scene extends Owner {
   }
 
   /**
-   * Asks anyWithin() of many configurations. All else as closestObjectsMany(); those that are left are "unknown".
+   * Asks anyWithin() of many configurations. All else as closestObjectsMany(); those that are left are "undecided".
    *
    * @param {Ids} ids
    * @param {Matrices} poses

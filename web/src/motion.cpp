@@ -81,13 +81,13 @@ bool set_motion(MovingModel* model, std::size_t count, bool is_float32, PoseForm
 /// Finds when two models touch first. A null b asks about a with itself, here and in impacts.
 LIMBER_EXPORT(timeOfImpact)
 bool exported_time_of_impact(const MovingModel* a, const MovingModel* b, double max_time, double time_error,
-                             double min_separation, double nearer_part, bool ignore_crossings, bool any_contact,
+                             double min_separation, double separation_fraction, bool ignore_crossings, bool any_contact,
                              double deadline_ms, double max_steps) {
   return guarded([&] {
     const ImpactOptions options{.max_time = max_time,
                                 .time_error = time_error,
                                 .min_separation = min_separation,
-                                .nearer_part = nearer_part,
+                                .separation_fraction = separation_fraction,
                                 .ignore_crossings = ignore_crossings,
                                 .any_contact = any_contact,
                                 .budget = budget_from(deadline_ms, max_steps)};
@@ -97,9 +97,9 @@ bool exported_time_of_impact(const MovingModel* a, const MovingModel* b, double 
 
 LIMBER_EXPORT(impacts)
 bool exported_impacts(const MovingModel* a, const MovingModel* b, double max_time, double time_error,
-                      double min_separation, double nearer_part, double most) {
+                      double min_separation, double separation_fraction, double most) {
   return guarded([&] {
-    const ImpactOptions options{max_time, time_error, min_separation, nearer_part};
+    const ImpactOptions options{max_time, time_error, min_separation, separation_fraction};
     const auto collect = collector(impacts_found, most);
     give_impacts(b != nullptr ? visit_impacts(*a, *b, collect, options) : visit_self_impacts(*a, collect, options));
   });

@@ -35,7 +35,7 @@ void put_deepest(double*& number, std::uint32_t*& word, const std::optional<Deep
 }
 
 /// The upper bound of the depths, then the deepest vertices of a and of b.
-void give_deepest(const DeepestVertices& found) {
+void give_deepest(const DeepestPair& found) {
   double* number = exchange.numbers + deepest_numbers;
   std::uint32_t* word = exchange.words + deepest_words;
   *number++ = found.max_depth;

@@ -391,7 +391,7 @@ class Recorder {
     return {{"maxTime", options.max_time},
             {"timeError", options.time_error},
             {"minSeparation", options.min_separation},
-            {"nearerPart", options.nearer_part}};
+            {"separationFraction", options.separation_fraction}};
   }
   static json options_of(const ImpactOptions& options) {
     json given = options_of_all(options);
@@ -506,14 +506,17 @@ void ask_of_steps(Recorder& record, const scenes::Motion& motion, std::size_t ot
     const double separation = 0.01 * rng.uniform();
     record.time_of_impact(m, other, {});
     record.time_of_impact(m, other, {.max_time = 0.7, .time_error = 1e-6, .ignore_crossings = true});
-    record.time_of_impact(m, other, {.min_separation = separation, .nearer_part = 0.5, .ignore_crossings = true});
+    record.time_of_impact(m, other,
+                          {.min_separation = separation, .separation_fraction = 0.5, .ignore_crossings = true});
     record.time_of_impact(m, other, {.ignore_crossings = true, .any_contact = true});
     record.time_of_impact(m, other, {.ignore_crossings = true}, 1 + rng.below(60));
     record.self_time_of_impact(m, {.time_error = 1e-6});
-    record.self_time_of_impact(m, {.min_separation = separation, .nearer_part = 0.25, .ignore_crossings = true});
+    record.self_time_of_impact(m,
+                               {.min_separation = separation, .separation_fraction = 0.25, .ignore_crossings = true});
     record.self_time_of_impact(m, {.any_contact = true}, 1 + rng.below(60));
     record.impacts(m, other, {.max_time = 0.1, .time_error = 1e-6});
-    record.impacts(m, other, {.max_time = 0.05, .time_error = 1e-6, .min_separation = 0.001, .nearer_part = 0.5});
+    record.impacts(m, other,
+                   {.max_time = 0.05, .time_error = 1e-6, .min_separation = 0.001, .separation_fraction = 0.5});
     record.move_all(m, motion.positions(step * (frame + 1)), frame % 2 == 0);
   }
 }

@@ -217,9 +217,9 @@ test("budgets end queries, and caches go on", () => {
   const late = limber.distance(a, b, { budget: { deadline: performance.now() - 1 }, cache });
   assert.deepEqual([late.status, late.stoppedBy], ["interrupted", "deadline"]);
   assert.equal(limber.distance(a, b, { budget: { deadline: performance.now() + 1e4 } }).status, "exact");
-  const unknown = limber.within(a, b, 1.0001 * exact, { budget: { maxSteps: 1 } });
-  assert.deepEqual([unknown.answer, unknown.stoppedBy, unknown.witness], ["unknown", "maxSteps", null]);
-  assert.ok(!unknown.isYes && !unknown.isNo);
+  const undecided = limber.within(a, b, 1.0001 * exact, { budget: { maxSteps: 1 } });
+  assert.deepEqual([undecided.answer, undecided.stoppedBy, undecided.witness], ["undecided", "maxSteps", null]);
+  assert.ok(!undecided.isYes && !undecided.isNo);
   assert.deepEqual(limber.collide(a, b, { budget: {} }).answer, "no");
   assert.deepEqual(limber.within(a, b, 1, { budget: {} }).answer, "yes");
   for (const budget of [{ deadline: NaN }, { maxSteps: -1 }, { maxSteps: "x" }]) {

@@ -56,11 +56,11 @@ test("options that do not exist are refused with those that do", () => {
       (o) => limber.vertexFaceImpact(corners, corners, o),
       (o) => limber.edgeEdgeImpact(corners, corners, o),
     ],
-    "maxTime, timeError, minSeparation, nearerPart, ignoreCrossings, anyContact, budget": [
+    "maxTime, timeError, minSeparation, separationFraction, ignoreCrossings, anyContact, budget": [
       (o) => limber.timeOfImpact(moving, moving, o),
       (o) => limber.selfTimeOfImpact(moving, o),
     ],
-    "maxTime, timeError, minSeparation, nearerPart, maxCount": [
+    "maxTime, timeError, minSeparation, separationFraction, maxCount": [
       (o) => limber.impacts(moving, moving, o),
       (o) => limber.selfImpacts(moving, o),
     ],
@@ -145,7 +145,7 @@ test("numbers of poses and options are numbers", () => {
       refuses(() => limber.selfTimeOfImpact(moving, { [name]: wrong }), "invalidArgument", name);
       refuses(() => limber.impacts(moving, moving, { [name]: wrong }), "invalidArgument", name);
     }
-    for (const name of ["nearerPart", "maxCount"]) {
+    for (const name of ["separationFraction", "maxCount"]) {
       refuses(() => limber.selfImpacts(moving, { [name]: wrong }), "invalidArgument", name);
     }
     for (const name of ["maxTime", "minSeparation", "distanceError"]) {
@@ -235,7 +235,7 @@ test("what is read may call the library before anything is written for the call"
     assert.equal(surface.signedDistanceMany(arrayReading([0, 0, 0], disturb), pose).distances[0], 1);
     const moving = new limber.MovingModel(a);
     moving.setMotion(arrayReading(corners, disturb), reading({ startPose: null, endPose: poseA }, disturb));
-    const times = reading({ maxTime: 1, timeError: 0, minSeparation: 2.5, nearerPart: 0, budget }, disturb);
+    const times = reading({ maxTime: 1, timeError: 0, minSeparation: 2.5, separationFraction: 0, budget }, disturb);
     assert.equal(Math.round(1e9 * limber.timeOfImpact(moving, staying(b), times).upper), 5e8);
     const motionA = new limber.RigidMotion(reading({ translation: [0, 0, 0] }, disturb), poseA);
     const path = reading({ motionA, maxTime: 1, minSeparation: 2.5, distanceError: 1e-9, budget }, disturb);

@@ -64,7 +64,7 @@ inline json of(const DistanceResult& r) {
 }
 
 inline json of(const CollideResult& r) {
-  return {{"answer", name_in({"no", "yes", "unknown"}, r.answer)},
+  return {{"answer", name_in({"no", "yes", "undecided"}, r.answer)},
           {"isYes", r.is_yes()},
           {"isNo", r.is_no()},
           {"stoppedBy", of(r.stopped_by)},
@@ -155,13 +155,12 @@ inline json of(const std::optional<DeepestVertex>& d) {
           {"direction", of(d->direction)}};
 }
 
-/// Deepest vertices without what other results have too.
-inline json pair_of(const DeepestVertices& d) {
+inline json of(const DeepestPair& d) {
   return {{"ofA", of(d.of_a)}, {"ofB", of(d.of_b)}, {"maxDepth", of(d.max_depth)}};
 }
 
 inline json of(const DeepestVertices& d) {
-  json described = pair_of(d);
+  json described = of(static_cast<const DeepestPair&>(d));
   described["stoppedBy"] = of(d.stopped_by), described["stats"] = of(d.stats);
   return described;
 }
@@ -174,7 +173,7 @@ inline json of(const SeparatingTranslation& t) {
 inline json of(const SolidDistance& d) {
   return {{"lower", of(d.lower)},          {"upper", of(d.upper)},
           {"areApart", d.are_apart()},     {"translation", of(d.translation)},
-          {"witness", of(d.witness)},      {"deepest", pair_of(d.deepest)},
+          {"witness", of(d.witness)},      {"deepest", of(d.deepest)},
           {"stoppedBy", of(d.stopped_by)}, {"stats", of(d.stats)}};
 }
 

@@ -115,9 +115,9 @@ test("a body falls on a plate", () => {
 test("a model may start nearer than the separation", () => {
   const rises = falling(0.3, 3), floor = plate();
   assert.equal(limber.timeOfImpact(rises, floor, { minSeparation: 0.5 }).status, "initialContact");
-  assert.equal(limber.timeOfImpact(rises, floor, { minSeparation: 0.5, nearerPart: 0.5 }).status, "clear");
+  assert.equal(limber.timeOfImpact(rises, floor, { minSeparation: 0.5, separationFraction: 0.5 }).status, "clear");
   assert.ok(limber.impacts(rises, floor, { minSeparation: 0.5 }).count > 0);
-  assert.equal(limber.impacts(rises, floor, { minSeparation: 0.5, nearerPart: 0.5 }).count, 0);
+  assert.equal(limber.impacts(rises, floor, { minSeparation: 0.5, separationFraction: 0.5 }).count, 0);
 });
 
 test("a budget that is spent leaves bounds", () => {
@@ -257,7 +257,9 @@ test("options of moving models are checked", () => {
     refuses(() => query({ maxTime: 2 }), "invalidArgument", "max_time");
     refuses(() => query({ timeError: NaN }), "invalidArgument", "time_error");
     refuses(() => query({ minSeparation: -1 }), "invalidArgument", "min_separation");
-    for (const nearerPart of [-0.1, 1]) refuses(() => query({ nearerPart }), "invalidArgument", "nearer_part");
+    for (const separationFraction of [-0.1, 1]) {
+      refuses(() => query({ separationFraction }), "invalidArgument", "separation_fraction");
+    }
   }
 });
 

@@ -22,7 +22,7 @@ const point: Point | undefined = near.witness?.pointA;
 const meets: CollideResult = limber.collide(a, b, { cache });
 const soon: CollideResult = limber.collide(a, b, { budget: { deadline: performance.now() + 1, maxSteps: 100 } });
 const isWithin: boolean = limber.within(a, b, 1).answer === "yes";
-const maybe: "no" | "yes" | "unknown" = limber.within(a, b, 1, { budget: {} }).answer;
+const maybe: "no" | "yes" | "undecided" = limber.within(a, b, 1, { budget: {} }).answer;
 const rings = new limber.NeighborRings(a, 1);
 const found: Contact[] = [...limber.selfContacts(a, 0.1, { filter: rings, maxCount: 5 })];
 const ids: Uint32Array = limber.intersections(a, b, { filter: (s: number, t: number) => s < t }).triangles;
@@ -38,7 +38,8 @@ rings.dispose();
 const moving = new limber.MovingModel(a);
 moving.setMotion(vertices, { startPose: poses[0], endPose: null });
 const edges: Uint32Array = a.edges();
-const touching: ImpactResult = limber.timeOfImpact(moving, moving, { maxTime: 0.5, nearerPart: 0.1, anyContact: true });
+const soon = { maxTime: 0.5, separationFraction: 0.1, anyContact: true };
+const touching: ImpactResult = limber.timeOfImpact(moving, moving, soon);
 const element: number | undefined = limber.selfTimeOfImpact(moving, { budget: { maxSteps: 9 } }).elements?.a;
 const impacts: Impact[] = [...limber.impacts(moving, moving, { timeError: 1e-6, maxCount: 5 })];
 const motionA = new limber.RigidMotion(poses[0], poses[1], vector3), screw = limber.RigidMotion.screw(null, poses[2]);
@@ -88,7 +89,7 @@ new limber.Model(vertices, faces, { rebuildPolicy: "onWorker" });
 limber.distance(a, b, { relative_error: 0.1 });
 // @ts-expect-error a pose is no number
 limber.distance(a, b, { poseA: 1 });
-// @ts-expect-error the answer may be unknown, so it is no boolean
+// @ts-expect-error the answer may be undecided, so it is no boolean
 limber.collide(a, b).collision;
 // @ts-expect-error models are no caches
 limber.distance(a, b, { cache: a });
