@@ -97,7 +97,7 @@ def test_points(meshes: tuple[Path, Path], tmp_path: Path) -> None:
     points = numpy.random.default_rng(12).normal(size=(300, 3))
     path = tmp_path / "points.csv"
     path.write_text("\n".join(",".join(map(repr, point)) for point in points.tolist()) + "\n")
-    theirs = lines("points", meshes[0], path, "--pose", pose_text(0), "--signed", "--winding-number", "--json")
+    theirs = lines("points", meshes[0], path, "--pose", pose_text(0), "--signed", "--generalized-winding-number", "--json")
     model, pose = limber3d.load(meshes[0]), (TURNS[0], SHIFTS[0])
     surface = limber3d.ClosedSurface(model)
     for answer, point, record in zip(theirs, points, surface.signed_distance_many(points, pose)):
@@ -105,7 +105,7 @@ def test_points(meshes: tuple[Path, Path], tmp_path: Path) -> None:
         assert answer["closest"]["position"] == record["position"].tolist()
         assert answer["closest"]["weights"] == record["weights"].tolist()
         assert answer["closest"]["triangle"] == record["triangle"]
-        assert answer["winding_number"] == limber3d.generalized_winding_number(model, point, pose)
+        assert answer["generalized_winding_number"] == limber3d.generalized_winding_number(model, point, pose)
 
 
 def test_frames(meshes: tuple[Path, Path], tmp_path: Path) -> None:

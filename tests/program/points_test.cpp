@@ -33,12 +33,13 @@ TEST(ProgramPoints, AnswersEachRowAsBruteForceDoes) {
   const std::vector<Vec3> points = some_points(300);
   const std::string file = folder.store("points.csv", csv_of(points, "x,y,z\n"));
   const Transform pose{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {0.5, 0.25, 0}};
-  const std::string line = "points " + model + ' ' + file +
-                           " --pose 0.5,0.25,0,0.5,0.5,0.5,0.5 --max-distance 1.25 --signed --winding-number";
+  const std::string line =
+      "points " + model + ' ' + file +
+      " --pose 0.5,0.25,0,0.5,0.5,0.5,0.5 --max-distance 1.25 --signed --generalized-winding-number";
   const std::string csv = answer_to(line);
   EXPECT_EQ(lines_of(csv).front(),
             "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2,"
-            "is_inside,winding_number");
+            "is_inside,generalized_winding_number");
   const std::vector<Row> rows = table_of(csv);
   const std::vector<nlohmann::json> objects = json_lines_of(run(line + " --json"));
   ASSERT_EQ(rows.size(), points.size());
@@ -57,8 +58,8 @@ TEST(ProgramPoints, AnswersEachRowAsBruteForceDoes) {
     EXPECT_EQ(object["point"][2], points[i].z);
     EXPECT_EQ(row.at("is_inside"), is_inside ? "true" : "false");
     EXPECT_EQ(object["is_inside"], is_inside);
-    EXPECT_NEAR(number(row.at("winding_number")), is_inside ? 1 : 0, 1e-12);
-    EXPECT_EQ(object["winding_number"], number(row.at("winding_number")));
+    EXPECT_NEAR(number(row.at("generalized_winding_number")), is_inside ? 1 : 0, 1e-12);
+    EXPECT_EQ(object["generalized_winding_number"], number(row.at("generalized_winding_number")));
     if (!truth.closest) {
       ++beyond;
       for (const char* name : {"distance", "closest_x", "triangle", "face", "feature", "weight_2"}) {

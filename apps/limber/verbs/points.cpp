@@ -43,8 +43,8 @@ class PointAsker {
     if (!arguments.is_signed) return;
     Result<ClosedSurface> surface = ClosedSurface::create(model.fast());
     if (!surface) {
-      throw BadInput(fmt::format("--signed: {}: {}; --winding-number tells about any surface", arguments.model,
-                                 surface.error().text));
+      throw BadInput(fmt::format("--signed: {}: {}; --generalized-winding-number tells about any surface",
+                                 arguments.model, surface.error().text));
     }
     surface_.emplace(*surface);
   }
@@ -79,7 +79,7 @@ std::string columns_of(const PointsArguments& arguments) {
   std::string columns =
       "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2";
   if (arguments.is_signed) columns += ",is_inside";
-  if (arguments.has_winding_number) columns += ",winding_number";
+  if (arguments.has_winding_number) columns += ",generalized_winding_number";
   return columns;
 }
 
@@ -95,7 +95,7 @@ Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, co
                        {"weights", to_json(closest->weights)}};
   }
   if (answer.is_inside) json["is_inside"] = *answer.is_inside;
-  if (answer.winding_number) json["winding_number"] = *answer.winding_number;
+  if (answer.winding_number) json["generalized_winding_number"] = *answer.winding_number;
   return json;
 }
 
@@ -136,9 +136,9 @@ Where nothing is as close as --max-distance, these cells are empty, and distance
 from 0.
 
 --signed needs a closed model: every edge belongs to two triangles that run through it in opposite directions. is_inside
-is decided exactly. --winding-number tells about any other model: the part of the point's surroundings that it covers,
-about 1 inside and 0 outside where normals point outward, so 0.5 parts them. It looks at every triangle for every
-point.
+is decided exactly. --generalized-winding-number tells about any other model: the part of the point's surroundings that
+it covers, about 1 inside and 0 outside where normals point outward, so 0.5 parts them. It looks at every triangle for
+every point.
 
 Example:
 
@@ -157,7 +157,7 @@ Verb add_points(CLI::App& app) {
   command.add_option("POINTS", arguments->points, "CSV file with a point in each row")->type_name("CSV")->required();
   add_pose(command, "--pose", arguments->pose, "the model");
   command.add_flag("--signed", arguments->is_signed, "also whether points are inside; then their distance is negative");
-  command.add_flag("--winding-number", arguments->has_winding_number,
+  command.add_flag("--generalized-winding-number", arguments->has_winding_number,
                    "also how often the surface winds around each point, open or not; slow");
   add_number(command, "--max-distance", arguments->options.max_distance, not_negative_or_infinite,
              "closest points farther away are not told, which is faster")
