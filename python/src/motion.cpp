@@ -254,7 +254,7 @@ void bind_values(nb::module_& m) {
 const std::string options_documentation = std::string("\n\nmax_time: ") + docs::ElementImpactOptions_max_time +
                                           "\n\ntime_error: " + docs::ElementImpactOptions_time_error +
                                           "\n\nmin_separation: " + docs::ElementImpactOptions_min_separation +
-                                          "\n\nnearer_part: " + docs::ImpactOptions_nearer_part;
+                                          "\n\nseparation_fraction: " + docs::ImpactOptions_separation_fraction;
 
 const std::string threads_note = std::string("\n\nparallel: ") + docs::ImpactOptions_parallel +
                                  " So does a query with a filter in Python, which needs the GIL.";
