@@ -42,6 +42,7 @@ def results() -> list[Any]:
         *(limber3d.deepest_vertices(surface, surface, pose_b=pose) for pose in solids),
         *(limber3d.deepest_vertices(surface, surface, solids[1]).of_a,),
         *(limber3d.signed_distance(surface, surface, pose_b=pose) for pose in solids[1:]),
+        limber3d.signed_distance(surface, surface, pose_b=solids[1]).deepest,
         *(far, near, far.witness, near.witness, far.stats),
         *(limber3d.collide(tetra, tetra), limber3d.collide(tetra, tetra, FAR)),
         *(limber3d.within(tetra, tetra, 2.5, FAR), limber3d.within(tetra, tetra, 1.0, FAR)),
@@ -68,7 +69,7 @@ CLASSES = {type(value) for value in VALUES}
 
 def test_all_classes_of_results_are_here() -> None:
     classes = [member for name in limber3d.__all__ if isinstance(member := getattr(limber3d, name), type)]
-    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 25
+    assert CLASSES == {c for c in classes if "__setstate__" in vars(c)} - {limber3d.Model} and len(CLASSES) == 26
 
 
 @pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)
