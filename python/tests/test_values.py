@@ -42,7 +42,6 @@ def results() -> list[Any]:
         *(limber3d.deepest_vertices(surface, surface, pose_b=pose) for pose in solids),
         *(limber3d.deepest_vertices(surface, surface, solids[1]).of_a,),
         *(limber3d.signed_distance(surface, surface, pose_b=pose) for pose in solids[1:]),
-        limber3d.signed_distance(surface, surface, pose_b=solids[1]).deepest,
         *(far, near, far.witness, near.witness, far.stats),
         *(limber3d.collide(tetra, tetra), limber3d.collide(tetra, tetra, FAR)),
         *(limber3d.within(tetra, tetra, 2.5, FAR), limber3d.within(tetra, tetra, 1.0, FAR)),
@@ -56,6 +55,7 @@ def results() -> list[Any]:
         *(hit, hit.elements, limber3d.time_of_impact(moving, moving)),
         *(limber3d.time_of_impact(tetra, stands, tetra, goes), limber3d.min_distance(tetra, stands, tetra, goes)),
         *(tetra.tree_stats, tetra.maintenance_stats, tetra.bounding_box(), tetra.bounding_sphere()),
+        limber3d.signed_distance(surface, surface, pose_b=solids[1]).deepest,
     ]
 
 
