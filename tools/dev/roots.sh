@@ -95,11 +95,13 @@ in_root() {
     bash -c "mount -t proc proc /proc; cd /root; set -euo pipefail; $2" </dev/null
 }
 
-# expect_answer NAME SCRIPT TEXT: what the script prints in the root has this text in it; prints the lines that have it.
+# expect_answer NAME SCRIPT TEXT...: what the script prints in the root has these texts in it; prints the lines that do.
 expect_answer() {
-  local found
+  local found text
   found=$(in_root "$1" "$2" 2>&1) || die "in build/roots/$1: $(tail -n 30 <<<"$found")"
-  grep -F -- "$3" <<<"$found" || die "build/roots/$1 gave no '$3': $(tail -n 20 <<<"$found")"
+  for text in "${@:3}"; do
+    grep -F -- "$text" <<<"$found" || die "build/roots/$1 gave no '$text': $(tail -n 20 <<<"$found")"
+  done
 }
 
 # block FILE LANGUAGE PATTERN: the first fenced code of that language after the first line that matches the pattern.
