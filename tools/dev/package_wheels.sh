@@ -4,7 +4,8 @@
 
 # Wheels that run wherever glibc is 2.28 or newer, with all libraries inside, and the archive of sources. Zig's Clang
 # compiles for that glibc and links its C++ library statically. One wheel is for CPython 3.12 and all later ones, and
-# comes with one for 64-bit ARM; the others are for one version each. Versions may be named; all are made if none is.
+# comes with one for 64-bit ARM and one for musl; the others are for one version each. Versions may be named; all are
+# made if none is.
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 source "$root/tools/dev/roots.sh"
 
@@ -30,42 +31,42 @@ prepare() {
   debian_sources highway onetbb nlohmann-json3
   mkdir -p -- "$sources/boost/include"
   ln -sfn -- /usr/include/boost "$sources/boost/include/boost"
-  local processor
-  for processor in x86_64 aarch64; do
-    printf '#!/bin/sh\nexec "%s/zig" c++ -target %s-linux-gnu.2.28 "$@"\n' \
-      "$("$tools/python" -c 'import ziglang; print(ziglang.__path__[0])')" "$processor" >"$tools/zig-c++-$processor"
-    chmod +x -- "$tools/zig-c++-$processor"
+  local target
+  for target in x86_64-linux-gnu.2.28 aarch64-linux-gnu.2.28 x86_64-linux-musl; do
+    printf '#!/bin/sh\nexec "%s/zig" c++ -target %s "$@"\n' \
+      "$("$tools/python" -c 'import ziglang; print(ziglang.__path__[0])')" "$target" >"$tools/c++-${target%.2.28}"
+    chmod +x -- "$tools/c++-${target%.2.28}"
   done
 }
 
-# wheel VERSION [PROCESSOR]: for another processor the stub is that of this one, whose wheel is built before.
+# wheel VERSION PLATFORM TARGET: of PLATFORM auditwheel's name, without the processor. What does not run here takes its
+# stub from what does, whose wheel is built before.
 wheel() {
-  local settings=("wheel.py-api=cp312") name processor=${2:-x86_64} platform=manylinux_2_28_x86_64 log
-  log=$folder/log-$1-$processor
-  if [[ $processor != x86_64 ]]; then
-    platform=auto
+  local settings=("wheel.py-api=cp312" "build-dir=build/wheel-$1-$3") name processor=${3%%-*} log=$folder/log-$1-$3
+  if [[ $3 != x86_64-linux-gnu ]]; then
     for name in SYSTEM_NAME=Linux SYSTEM_PROCESSOR="$processor"; do settings+=("cmake.define.CMAKE_$name"); done
-    settings+=("cmake.define.LIMBER_PYTHON_STUB=$root/build/wheel-cp312-abi3-linux_x86_64/python/limber3d/_core.pyi")
+    settings+=("cmake.define.LIMBER_PYTHON_STUB=$root/build/wheel-$1-x86_64-linux-gnu/python/limber3d/_core.pyi")
   fi
   for name in HWY TBB Boost nlohmann_json; do settings+=("cmake.define.CMAKE_DISABLE_FIND_PACKAGE_$name=ON"); done
   for name in HWY=highway TBB=onetbb NLOHMANN_JSON=nlohmann-json3 BOOST=boost BOOSTCONFIG=boost; do
     settings+=("cmake.define.FETCHCONTENT_SOURCE_DIR_${name%=*}=$sources/${name#*=}")
   done
-  # The system's library unwinds stacks, not Zig's own: pthread_exit(), by which CPython before 3.14 ends daemon threads,
-  # gives the module the system's record of a stack, and the two libraries do not read each other's.
-  settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$("$processor-linux-gnu-gcc" -print-file-name=libgcc_s.so.1)")
+  # With glibc the system's library unwinds stacks, not Zig's own: pthread_exit(), by which CPython before 3.14 ends
+  # daemon threads, gives the module the system's record of a stack, and the two libraries do not read each other's.
+  if [[ $3 == *-gnu ]]; then
+    settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$("$3-gcc" -print-file-name=libgcc_s.so.1)")
+  fi
   PATH=$(interpreter "$1"):$PATH python_environment "wheel_python-$1" requirements_build.txt
-  say "building the wheel of CPython $1 for $processor; its log is ${log#"$root/"}"
+  say "building the wheel of CPython $1 for $3; its log is ${log#"$root/"}"
   # Boost 1.74 derives from a class that this C++ library has no longer; nanobind counts on a header that it does not bring.
   # -O3 also for what CMake tries, so that Zig builds its C++ library once.
-  PATH=$tools:$PATH _PYTHON_HOST_PLATFORM=linux-$processor CXX=$tools/zig-c++-$processor CCACHE_COMPILERTYPE=clang \
+  PATH=$tools:$PATH _PYTHON_HOST_PLATFORM=linux-$processor CXX=$tools/c++-$3 CCACHE_COMPILERTYPE=clang \
     CMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true) CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
     CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" \
     "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps \
     "${settings[@]/#/--config-settings=}" \
-    -w "$folder/plain-$1-$processor" "$root" </dev/null >"$log" 2>&1 || die "$(tail -n 40 -- "$log")"
-  PATH=$tools:$PATH auditwheel repair --plat "$platform" --only-plat -w "$folder" \
-    "$folder/plain-$1-$processor"/*.whl </dev/null
+    -w "$folder/plain-$1-$3" "$root" </dev/null >"$log" 2>&1 || die "$(tail -n 40 -- "$log")"
+  PATH=$tools:$PATH auditwheel repair --plat "$2_$processor" --only-plat -w "$folder" "$folder/plain-$1-$3"/*.whl </dev/null
 }
 
 # What PyPI and its users ask of them: tags that are true, the licenses of what is inside, and no symbol beside the module.
@@ -76,7 +77,7 @@ check() {
     [[ ! -e $file ]] || "$tools/abi3audit" --strict "$file"
   done
   for file in "$folder"/*.whl; do
-    [[ $("$tools/auditwheel" show "$file") =~ \"manylinux_2_(17|2[0-8])_ ]] ||
+    [[ $("$tools/auditwheel" show "$file") =~ \"(manylinux_2_(17|2[0-8])|musllinux_1_2)_ ]] ||
       die "auditwheel does not find $file to be what its name says"
     found=$(python3 -m zipfile -l "$file")
     [[ $found != *.libs/* ]] || die "$file has libraries beside the module"
@@ -110,7 +111,7 @@ try() {
     python=$place/bin/python3
     ln -s -- "$python" "$root/build/roots/$name/usr/local/bin/python3"
   fi
-  cp -- "$folder"/*x86_64.whl "$root/build/roots/$name/packages/"
+  cp -- "$folder"/*manylinux*x86_64.whl "$root/build/roots/$name/packages/"
   block README.md python '^## Python' >"$root/build/roots/$name/root/first.py"
   expect_answer "$name" "$(block docs/guide/install.md sh '^### Wheel')" "2.0 Witness"
   say "the wheel answers on Debian $1 with CPython $2"
@@ -130,7 +131,44 @@ try_arm() {
   block README.md python '^## Python' >"$place/root/first.py"
   found=$(PYTHONPATH=$place/root qemu-aarch64 -L "$place" "$place/usr/bin/python3" "$place/root/first.py" 2>&1)
   [[ $found == "2.0 Witness"* ]] || die "the wheel for 64-bit ARM answers $found"
-  say "the wheel answers on 64-bit ARM, on QEMU, with Debian's CPython 3.13"
+  say "the wheel answers on 64-bit ARM, on QEMU, with Debian's CPython 3.13: $found"
+}
+
+# A CPython for musl, which Debian has only the sources of. It goes without the libraries that musl would need, too, and
+# takes some minutes.
+musl_python() {
+  local place=$root/build/musl_python
+  if [[ -x $place/bin/python3.13 ]]; then return 0; fi
+  need musl
+  say "compiling CPython for musl; the log is build/musl_python/log"
+  rm -rf -- "$place"
+  mkdir -p -- "$place/source"
+  curl -fsSL --retry 3 -o "$place/source.tar.xz" http://deb.debian.org/debian/pool/main/p/python3.13/python3.13_3.13.5.orig.tar.xz
+  sha256sum --check --quiet <<<"93e583f243454e6e9e4588ca2c2662206ad961659863277afcdb96801647d640  $place/source.tar.xz"
+  tar -xf "$place/source.tar.xz" --strip-components=1 -C "$place/source"
+  # musl's script for GCC gives GCC's answer about whose libraries it links.
+  cat >"$place/cc" <<'END'
+#!/bin/sh
+[ "$1" != --print-multiarch ] || exec echo x86_64-linux-musl
+exec musl-gcc "$@"
+END
+  chmod +x -- "$place/cc"
+  (cd -- "$place/source" && ./configure CC="$place/cc" PKG_CONFIG=false OPT=-O1 --prefix="$place" --disable-test-modules \
+    --without-ensurepip --without-static-libpython && make -j "$jobs" && make install) </dev/null >"$place/log" 2>&1 ||
+    die "$(tail -n 20 -- "$place/log")"
+}
+
+# The wheel for musl asks on that CPython.
+try_musl() {
+  local place=$root/build/musl_packages found
+  musl_python
+  rm -rf -- "$place"
+  "$tools/python" -m pip install -q --find-links "$folder" --target "$place" --only-binary=:all: \
+    --platform musllinux_1_2_x86_64 --python-version 3.13 limber3d </dev/null
+  block README.md python '^## Python' >"$place/first.py"
+  found=$(PYTHONPATH=$place "$root/build/musl_python/bin/python3.13" "$place/first.py" 2>&1)
+  [[ $found == "2.0 Witness"* ]] || die "the wheel for musl answers $found"
+  say "the wheel answers on musl, with a CPython 3.13 compiled for it: $found"
 }
 
 # The archive of sources, with Debian's libraries.
@@ -149,6 +187,7 @@ try_all() {
     try trixie 3.13
     try sid 3.14
     try_arm
+    try_musl
   fi
   try bookworm "$1"
 }
@@ -161,8 +200,11 @@ prepare
 rm -rf -- "$folder"
 mkdir -p -- "$folder"
 for python in "${pythons[@]}"; do
-  wheel "$python"
-  if [[ $python == 3.12 ]]; then wheel 3.12 aarch64; fi
+  wheel "$python" manylinux_2_28 x86_64-linux-gnu
+  if [[ $python == 3.12 ]]; then
+    wheel 3.12 manylinux_2_28 aarch64-linux-gnu
+    wheel 3.12 musllinux_1_2 x86_64-linux-musl
+  fi
 done
 (cd -- "$root" && "$tools/python" -m build --sdist --outdir "$folder") </dev/null >"$folder/log-sdist" 2>&1 ||
   die "$(tail -n 40 -- "$folder/log-sdist")"

@@ -37,7 +37,11 @@ export function showMaking({ version, made_at, command, inputs = [] }: Making): 
   const body = element('tbody');
   fillTable(
     body,
-    inputs.map(({ name, bytes, sha256 }) => [name, grouped(bytes), element('span', 'digest', sha256)]),
+    inputs.map(({ name, bytes, sha256 }) => [
+      element('span', 'wrapping', name),
+      grouped(bytes),
+      element('span', 'digest', sha256),
+    ]),
   );
   byId('inputs').append(element('thead', '', element('tr', '', ...heads)), body);
 }
