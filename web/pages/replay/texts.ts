@@ -111,8 +111,8 @@ export function showNow(data: ReplayData, row: number): void {
     lines.push([`Within ${percent(relative_error)}`, found]);
   }
   if (data.min_clearance !== null) {
-    const verdict = rows.too_close[row] === true ? 'below' : 'at least';
-    lines.push(['Required clearance', `${data.min_clearance}; it is ${verdict}`]);
+    const verdict = rows.too_close[row] === true ? 'not kept' : 'kept';
+    lines.push(['Required clearance', `${data.min_clearance}, ${verdict}`]);
   }
   if (rows.max_depth[row] !== null) lines.push(['Depth of the deepest vertex', String(rows.max_depth[row])]);
   const witness = rows.witness[row];
