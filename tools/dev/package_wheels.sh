@@ -39,11 +39,11 @@ prepare() {
   done
 }
 
-# wheel VERSION PLATFORM TARGET: of PLATFORM auditwheel's name, without the processor. What does not run here takes its
-# stub from what does, whose wheel is built before.
+# wheel VERSION TARGET [PLATFORM]: auditwheel finds the platform where none is named, and knows names of this one alone.
+# What does not run here takes its stub from what does, whose wheel is built before.
 wheel() {
-  local settings=("wheel.py-api=cp312" "build-dir=build/wheel-$1-$3") name processor=${3%%-*} log=$folder/log-$1-$3
-  if [[ $3 != x86_64-linux-gnu ]]; then
+  local settings=("wheel.py-api=cp312" "build-dir=build/wheel-$1-$2") name processor=${2%%-*} log=$folder/log-$1-$2
+  if [[ $2 != x86_64-linux-gnu ]]; then
     for name in SYSTEM_NAME=Linux SYSTEM_PROCESSOR="$processor"; do settings+=("cmake.define.CMAKE_$name"); done
     settings+=("cmake.define.LIMBER_PYTHON_STUB=$root/build/wheel-$1-x86_64-linux-gnu/python/limber3d/_core.pyi")
   fi
@@ -53,20 +53,20 @@ wheel() {
   done
   # With glibc the system's library unwinds stacks, not Zig's own: pthread_exit(), by which CPython before 3.14 ends
   # daemon threads, gives the module the system's record of a stack, and the two libraries do not read each other's.
-  if [[ $3 == *-gnu ]]; then
-    settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$("$3-gcc" -print-file-name=libgcc_s.so.1)")
+  if [[ $2 == *-gnu ]]; then
+    settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$("$2-gcc" -print-file-name=libgcc_s.so.1)")
   fi
   PATH=$(interpreter "$1"):$PATH python_environment "wheel_python-$1" requirements_build.txt
-  say "building the wheel of CPython $1 for $3; its log is ${log#"$root/"}"
+  say "building the wheel of CPython $1 for $2; its log is ${log#"$root/"}"
   # Boost 1.74 derives from a class that this C++ library has no longer; nanobind counts on a header that it does not bring.
   # -O3 also for what CMake tries, so that Zig builds its C++ library once.
-  PATH=$tools:$PATH _PYTHON_HOST_PLATFORM=linux-$processor CXX=$tools/c++-$3 CCACHE_COMPILERTYPE=clang \
+  PATH=$tools:$PATH _PYTHON_HOST_PLATFORM=linux-$processor CXX=$tools/c++-$2 CCACHE_COMPILERTYPE=clang \
     CMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true) CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
     CXXFLAGS="-O3 $same_paths -DBOOST_NO_CXX98_FUNCTION_BASE -include stdio.h" \
     "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps \
     "${settings[@]/#/--config-settings=}" \
-    -w "$folder/plain-$1-$3" "$root" </dev/null >"$log" 2>&1 || die "$(tail -n 40 -- "$log")"
-  PATH=$tools:$PATH auditwheel repair --plat "$2_$processor" --only-plat -w "$folder" "$folder/plain-$1-$3"/*.whl </dev/null
+    -w "$folder/plain-$1-$2" "$root" </dev/null >"$log" 2>&1 || die "$(tail -n 40 -- "$log")"
+  PATH=$tools:$PATH auditwheel repair --plat "${3:-auto}" --only-plat -w "$folder" "$folder/plain-$1-$2"/*.whl </dev/null
 }
 
 # What PyPI and its users ask of them: tags that are true, the licenses of what is inside, and no symbol beside the module.
@@ -200,10 +200,10 @@ prepare
 rm -rf -- "$folder"
 mkdir -p -- "$folder"
 for python in "${pythons[@]}"; do
-  wheel "$python" manylinux_2_28 x86_64-linux-gnu
+  wheel "$python" x86_64-linux-gnu manylinux_2_28_x86_64
   if [[ $python == 3.12 ]]; then
-    wheel 3.12 manylinux_2_28 aarch64-linux-gnu
-    wheel 3.12 musllinux_1_2 x86_64-linux-musl
+    wheel 3.12 aarch64-linux-gnu
+    wheel 3.12 x86_64-linux-musl
   fi
 done
 (cd -- "$root" && "$tools/python" -m build --sdist --outdir "$folder") </dev/null >"$folder/log-sdist" 2>&1 ||

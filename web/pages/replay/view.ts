@@ -59,7 +59,7 @@ export function showView(
 }
 
 function captionOf({ stride, max_megabytes }: ReplayData): string {
-  const caption = 'The red segment joins the closest points.';
+  const caption = 'The red segment joins the closest points; where models meet, it is a point.';
   if (stride === 1) return caption;
   return (
     `${caption} Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. ` +

@@ -34,10 +34,10 @@ export function usualTitle(study: Study, models: readonly ModelData[]): string {
   return `${count(study.rows.a.length, 'pair', 'pairs')} of ${count(models.length, 'model', 'models')}`;
 }
 
-/** The distance of a row; of a hard clash, how deep it is where that is known. */
+/** The distance of a row; of a hard clash, how deep it is, which is known where a vertex of one is in the other. */
 export function shownDistance({ rows: { clash, max_depth: depth, lower, upper } }: Study, row: number): string {
   const deep = depth[row];
-  if (clash[row] === 'hard_clash' && deep !== null && deep > 0) return `${shownLength(deep)} deep`;
+  if (clash[row] === 'hard_clash') return deep !== null && deep > 0 ? `${shownLength(deep)} deep` : 'no vertex inside';
   if (upper[row] === 0) return '0';
   return withUnit(shownBounds(lower[row], upper[row]));
 }
