@@ -39,6 +39,19 @@ prepare() {
   done
 }
 
+# name_libc WHEEL: the module asks for musl's library by the name that wheels know it by. Zig calls it libc.so.
+name_libc() {
+  PATH=$tools:$PATH python - "$1" <<'END'
+import subprocess, sys
+from pathlib import Path
+from auditwheel.wheeltools import InWheelCtx
+
+with InWheelCtx(wheel := Path(sys.argv[1]), wheel):
+    [module] = Path("limber3d").glob("_core*.so")
+    subprocess.run(["patchelf", "--replace-needed", "libc.so", "libc.musl-x86_64.so.1", module], check=True)
+END
+}
+
 # wheel VERSION TARGET [PLATFORM]: auditwheel finds the platform where none is named, and knows names of this one alone.
 # What does not run here takes its stub from what does, whose wheel is built before.
 wheel() {
@@ -66,6 +79,7 @@ wheel() {
     "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps \
     "${settings[@]/#/--config-settings=}" \
     -w "$folder/plain-$1-$2" "$root" </dev/null >"$log" 2>&1 || die "$(tail -n 40 -- "$log")"
+  if [[ $2 == *-musl ]]; then name_libc "$folder/plain-$1-$2"/*.whl; fi
   PATH=$tools:$PATH auditwheel repair --plat "${3:-auto}" --only-plat -w "$folder" "$folder/plain-$1-$2"/*.whl </dev/null
 }
 
@@ -156,19 +170,21 @@ END
   (cd -- "$place/source" && ./configure CC="$place/cc" PKG_CONFIG=false OPT=-O1 --prefix="$place" --disable-test-modules \
     --without-ensurepip --without-static-libpython && make -j "$jobs" && make install) </dev/null >"$place/log" 2>&1 ||
     die "$(tail -n 20 -- "$place/log")"
+  rm -rf -- "$place"/source*
 }
 
-# The wheel for musl asks on that CPython.
+# The wheel for musl asks on that CPython and the musl of Debian 13, as NumPy's is not content with the one of Debian 12.
 try_musl() {
-  local place=$root/build/musl_packages found
+  local place=$root/build/roots/musl
   musl_python
-  rm -rf -- "$place"
-  "$tools/python" -m pip install -q --find-links "$folder" --target "$place" --only-binary=:all: \
+  bare_root trixie musl musl
+  "$tools/python" -m pip install -q --find-links "$folder" --target "$place/root" --only-binary=:all: \
     --platform musllinux_1_2_x86_64 --python-version 3.13 limber3d </dev/null
-  block README.md python '^## Python' >"$place/first.py"
-  found=$(PYTHONPATH=$place "$root/build/musl_python/bin/python3.13" "$place/first.py" 2>&1)
-  [[ $found == "2.0 Witness"* ]] || die "the wheel for musl answers $found"
-  say "the wheel answers on musl, with a CPython 3.13 compiled for it: $found"
+  block README.md python '^## Python' >"$place/root/first.py"
+  mkdir -p -- "$place/$root/build"
+  cp -a -- "$root/build/musl_python" "$place/$root/build/"
+  expect_answer musl "$root/build/musl_python/bin/python3.13 first.py" "2.0 Witness"
+  say "the wheel answers on the musl of Debian 13, with a CPython 3.13 compiled for it"
 }
 
 # The archive of sources, with Debian's libraries.
