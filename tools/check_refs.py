@@ -14,6 +14,7 @@ from repository import Finding, files, line_at, run, shown, text_of
 
 BIBLIOGRAPHY = "docs/references.bib"
 PEERS = "docs/peers.md"
+CONTENTS = "docs/site/contents.md"
 READ_SUFFIXES = (".h", ".cpp", ".py", ".md", ".cmake", "CMakeLists.txt")
 NOT_READ = ("tools/test_tools.py",)  # makes up references that lead nowhere
 
@@ -102,6 +103,19 @@ def check_links(root: Path, texts: dict[str, str]) -> list[Finding]:
     return findings
 
 
+def check_contents(root: Path, texts: dict[str, str]) -> list[Finding]:
+    """The contents of the site name pages, of those that are not made for it, and these begin with a title."""
+    findings = []
+    for match in re.finditer(r"^(?:docs|bench|python|tests|[A-Z]+\b)[\w/*]*$", texts.get(CONTENTS, ""), re.MULTILINE):
+        pages = list(root.glob(match.group() + ".md"))
+        line = line_at(texts[CONTENTS], match.start())
+        findings += [] if pages else [Finding(CONTENTS, line, f"there is no page {match.group()}")]
+        for page in pages:
+            if not re.match(r"\s*#+ ", re.sub(r"<!--.*?-->", "", text_of(page), flags=re.DOTALL)):
+                findings.append(Finding(shown(root, page), 1, "a page begins with a title"))
+    return findings
+
+
 def check_peers(texts: dict[str, str]) -> list[Finding]:
     """The page of other libraries' bugs and the tests name the same tests and threads, and the page counts them."""
     if PEERS not in texts:
@@ -129,7 +143,8 @@ def check(root: Path) -> list[Finding]:
     texts = {shown(root, path): text_of(path) for path in files(root, suffixes=READ_SUFFIXES)}
     for name in NOT_READ:
         texts.pop(name, None)
-    return check_citations(root, texts) + check_own_files(root, texts) + check_links(root, texts) + check_peers(texts)
+    findings = check_citations(root, texts) + check_own_files(root, texts) + check_links(root, texts)
+    return findings + check_contents(root, texts) + check_peers(texts)
 
 
 if __name__ == "__main__":

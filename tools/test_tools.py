@@ -184,6 +184,14 @@ class References(Repository):
             with self.subTest(link=link):
                 self.assert_faulty(check_refs.check, {"docs/a.md": f"\n{link}\n"}, "docs/a.md:2: link ")
 
+    def test_contents_of_the_site(self) -> None:
+        tree = {"docs/site/contents.md": "```{toctree}\n:glob:\n\napi/cpp\ndocs/b/*\nREADME\n```\n",
+                "docs/b/c.md": "<!-- x -->\n\n# C\n", "README.md": "# R\n"}
+        self.assert_sound(check_refs.check, tree)
+        self.assert_faulty(check_refs.check, tree | {"docs/b/c.md": "C\n"}, "docs/b/c.md:1: a page begins with a title")
+        del tree["docs/b/c.md"]
+        self.assert_faulty(check_refs.check, tree, "docs/site/contents.md:5: there is no page docs/b/*")
+
     def test_bugs_of_peers(self) -> None:
         page = ("Asked: 2 threads, 1 tests. Right: 2. Not askable: 1 threads.\n\n| thread | what | test | limber |\n"
                 "|---|---|---|---|\n| A #1, B #2 | x | `A.B` | right |\n\n| thread | what | why |\n|---|---|---|\n| C #3 | x | y |\n")

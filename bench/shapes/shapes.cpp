@@ -82,6 +82,7 @@ void measure(Table& table, Checker& checker, const Model& model, double gap, std
 void run(const Options& options, Checker& checker) {
   const Model model(mesh_of(options));
   Table table(options, "shapes.md");
+  table.line("# Distances of shapes to a mesh, as printed by `limber_bench_shapes`\n");
   table.line("Distances to {} triangles; medians of one call, and as parts of a point's.\n",
              model.mesh().triangles().size());
   table.line("| gap | shape | us | of a point |");
