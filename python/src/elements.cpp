@@ -34,17 +34,17 @@ ElementPairs found_elements(const Search& search) {
 }
 
 ElementPairs element_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,
-                              const PoseLike& pose_b, const BudgetObject* budget) {
+                              const PoseLike& pose_b, bool parallel, const BudgetObject* budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   return found_elements([&](auto vertex_face, auto edge_edge) {
-    return visit_element_pairs(pair.a(), pair.b(), margin, vertex_face, edge_edge, {budget_of(budget)});
+    return visit_element_pairs(pair.a(), pair.b(), margin, vertex_face, edge_edge, {budget_of(budget), parallel});
   });
 }
 
-ElementPairs self_element_pairs_of(ModelObject& model, double margin, const BudgetObject* budget) {
+ElementPairs self_element_pairs_of(ModelObject& model, double margin, bool parallel, const BudgetObject* budget) {
   const Reading guard = reading(model);
   return found_elements([&](auto vertex_face, auto edge_edge) {
-    return visit_self_element_pairs(model.model, margin, vertex_face, edge_edge, {budget_of(budget)});
+    return visit_self_element_pairs(model.model, margin, vertex_face, edge_edge, {budget_of(budget), parallel});
   });
 }
 
@@ -54,7 +54,7 @@ NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
 }
 
 std::string element_pairs_documentation(const char* documentation) {
-  return std::string(documentation) + R"(
+  return std::string(documentation) + "\n\nparallel: " + docs::ElementPairOptions_parallel + R"(
 
 Returns  vertex_face, records of limber3d.vertex_face_dtype, and edge_edge, of limber3d.edge_edge_dtype.
 
@@ -77,9 +77,10 @@ void bind_elements(nb::module_& m) {
       .def_prop_ro("triangle_count", &NeighborRings::triangle_count, "Triangles of the mesh.")
       .def_prop_ro("pair_count", &NeighborRings::pair_count, docs::NeighborRings_pair_count);
   m.def("element_pairs", &element_pairs_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        nb::kw_only(), "budget"_a = nb::none(), element_pairs_documentation(docs::visit_element_pairs).c_str());
-  m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a, nb::kw_only(), "budget"_a = nb::none(),
-        element_pairs_documentation(docs::visit_self_element_pairs).c_str());
+        nb::kw_only(), "parallel"_a = false, "budget"_a = nb::none(),
+        element_pairs_documentation(docs::visit_element_pairs).c_str());
+  m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a, nb::kw_only(), "parallel"_a = false,
+        "budget"_a = nb::none(), element_pairs_documentation(docs::visit_self_element_pairs).c_str());
 }
 
 }  // namespace limber::python

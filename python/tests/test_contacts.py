@@ -212,6 +212,11 @@ def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
     assert numpy.linalg.norm(points[0] - points[1]) == pytest.approx(pair["distance"])
     own = limber3d.self_element_pairs(tetra, 2.0)
     assert len(own.vertex_face) == 4 and len(own.edge_edge) == 3
+    for one, several in (
+        (found, limber3d.element_pairs(tetra, tetra, 0.6, pose_b=pose, parallel=True)),
+        (own, limber3d.self_element_pairs(tetra, 2.0, parallel=True)),
+    ):
+        assert (several.vertex_face == one.vertex_face).all() and (several.edge_edge == one.edge_edge).all()
     budget = limber3d.QueryBudget(max_steps=0)
     for none in (
         limber3d.element_pairs(tetra, tetra, 0.6, budget=budget),
