@@ -45,7 +45,7 @@ std::vector<Environment> foreign_environments() {
   std::vector<Environment> all;
   for (const auto& [name, mode] :
        {std::pair("upward", FE_UPWARD), std::pair("downward", FE_DOWNWARD), std::pair("toward zero", FE_TOWARDZERO)}) {
-    all.push_back({name, [mode = mode] { std::fesetround(mode); }, [] { std::fesetround(FE_TONEAREST); }});
+    all.push_back({name, [rounding = mode] { std::fesetround(rounding); }, [] { std::fesetround(FE_TONEAREST); }});
   }
 #if defined(__x86_64__)
   constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x40;

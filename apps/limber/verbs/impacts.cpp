@@ -38,8 +38,8 @@ FoundTouch touch_of(const ImpactResult& found, const FrameMotion& a, const Frame
   if (!found.elements) return touch;
   using enum ElementPair::Kind;
   const auto& [kind, id_a, id_b] = *found.elements;
-  const auto kind_of = [kind = kind](ElementPair::Kind of_vertex) {
-    return kind == edge_edge ? FeatureKind::edge : kind == of_vertex ? FeatureKind::vertex : FeatureKind::face;
+  const auto kind_of = [of_pair = kind](ElementPair::Kind of_vertex) {
+    return of_pair == edge_edge ? FeatureKind::edge : of_pair == of_vertex ? FeatureKind::vertex : FeatureKind::face;
   };
   touch.feature_a = feature_of(a, found.witness->triangle_a, id_a, kind_of(vertex_face));
   touch.feature_b = feature_of(b, found.witness->triangle_b, id_b, kind_of(face_vertex));
