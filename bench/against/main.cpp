@@ -102,8 +102,8 @@ void compare_poses(Table& table, Engines& engines, const std::string& row, const
   std::vector<RawPose> poses;
   for (const Transform& pose : transforms) poses.push_back(raw(pose));
   for (const auto& [question, name] : questions) {
-    const auto ask_all = [&, question = question](against::Engine& engine) {
-      for (const RawPose& pose : poses) engine.ask(question, pose);
+    const auto ask_all = [&, asked = question](against::Engine& engine) {
+      for (const RawPose& pose : poses) engine.ask(asked, pose);
     };
     for (const RawPose& pose : poses) {
       const double before = engines.before->ask(question, pose), now = engines.now->ask(question, pose);

@@ -254,8 +254,8 @@ void report_scattered(const std::vector<Row>& rows, Table& table) {
     std::string line = "| " + last;
     for (const auto& [question, situation] : columns) {
       const auto found =
-          std::find_if(rows.begin(), rows.end(), [&, question = question, situation = situation](const Row& r) {
-            return r.scene == last && r.situation == situation && r.question == question;
+          std::find_if(rows.begin(), rows.end(), [&, asked = question, wanted = situation](const Row& r) {
+            return r.scene == last && r.situation == wanted && r.question == asked;
           });
       line += " | ";
       if (found == rows.end()) continue;
