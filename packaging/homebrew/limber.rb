@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-# Of the archive that ./dev release makes: brew install --formula packaging/homebrew/limber.rb
+# Of the archive that ./dev release makes. Homebrew takes a recipe outside a tap from developers alone:
+# HOMEBREW_DEVELOPER=1 brew install --formula packaging/homebrew/limber.rb
 class Limber < Formula
   desc "Collision and distance for triangle meshes that deform"
   url "file://#{File.expand_path("../../build/publish/limber-1.0.0.tar.gz", __dir__)}"

@@ -8,7 +8,7 @@ pkgs.stdenv.mkDerivation {
   version = "1.0.0";
   src = ../..;
   nativeBuildInputs = [ pkgs.cmake pkgs.ninja ];
-  buildInputs = [ pkgs.boost pkgs.cli11 pkgs.fmt pkgs.libhwy pkgs.nlohmann_json pkgs.tbb_2021_11 ];
+  buildInputs = [ pkgs.boost pkgs.cli11 pkgs.fmt pkgs.libhwy pkgs.nlohmann_json pkgs.onetbb ];
   cmakeFlags = [ "-DBUILD_SHARED_LIBS=ON" "-DLIMBER_FETCH=OFF" ];
   doInstallCheck = true;
   installCheckPhase = "$out/bin/limber distance scene:square scene:ball --pose-b 0,0,3,1,0,0,0";
