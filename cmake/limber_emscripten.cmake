@@ -5,7 +5,8 @@
 add_compile_options(-msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -fwasm-exceptions "SHELL:-include ${PROJECT_SOURCE_DIR}/web/src/missing_from_libcxx.h")
 
 # Emscripten looks for headers in its own folders only, and the system's must not come in the way of its C library. So
-# the libraries of headers that are needed get a folder of their own, which texts of Boost in the module do not tell of.
+# the libraries of headers that are needed get a folder of their own. Boost puts paths of its headers into messages; the
+# option shortens them, so that the module has the same bits in whatever folder it is built.
 set(headers ${PROJECT_BINARY_DIR}/headers)
 add_compile_options(-ffile-prefix-map=${headers}=.)
 file(MAKE_DIRECTORY ${headers})

@@ -104,7 +104,7 @@ def check_links(root: Path, texts: dict[str, str]) -> list[Finding]:
 
 
 def check_contents(root: Path, texts: dict[str, str]) -> list[Finding]:
-    """The contents of the site name pages, of those that are not made for it, and these begin with a title."""
+    """Each entry of the site's contents is a page with a title. Pages of api/ are generated, so they are left out."""
     findings = []
     for match in re.finditer(r"^(?:docs|bench|python|tests|[A-Z]+\b)[\w/*]*$", texts.get(CONTENTS, ""), re.MULTILINE):
         pages = list(root.glob(match.group() + ".md"))

@@ -31,14 +31,14 @@ struct DeepestVerticesOptions {
   QueryBudget budget = {};  ///< when the query has to end; the default has no limits
 };
 
-/// The deepest vertices of two bodies.
+/// Of each of two bodies, the vertex that is deepest inside of the other one.
 struct DeepestPair {
   std::optional<DeepestVertex> of_a;  ///< the vertex of a that is deepest in b; none if b contains no vertex of a
   std::optional<DeepestVertex> of_b;  ///< the vertex of b that is deepest in a
   double max_depth = 0;  ///< no vertex of either is deeper in the other: the larger depth, unless the budget was spent
 };
 
-/// What deepest_vertices() has found.
+/// The deepest vertices of two bodies, and how the search for them ended.
 struct [[nodiscard]] DeepestVertices : DeepestPair {
   StoppedBy stopped_by = StoppedBy::nothing;
   QueryStats stats{};

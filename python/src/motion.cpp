@@ -219,11 +219,12 @@ void bind_values(nb::module_& m) {
       .value("vertex_face", ElementPair::Kind::vertex_face, docs::ElementPair_vertex_face)
       .value("face_vertex", ElementPair::Kind::face_vertex, docs::ElementPair_face_vertex)
       .value("edge_edge", ElementPair::Kind::edge_edge, docs::ElementPair_edge_edge);
-  ValueClass<ElementPair> pair(m, "ElementPair", docs::ElementPair);
-  pair.field("kind", &ElementPair::kind, "An ElementPairKind.");
-  pair.field("a", &ElementPair::a, docs::ElementPair_a);
-  pair.field("b", &ElementPair::b, docs::ElementPair_a);
-  pair.binding().def(nb::init<ElementPair::Kind, std::uint32_t, std::uint32_t>(), "kind"_a, "a"_a, "b"_a);
+  ValueClass<ElementPair>(m, "ElementPair", docs::ElementPair)
+      .field("kind", &ElementPair::kind, "An ElementPairKind.")
+      .field("a", &ElementPair::a, docs::ElementPair_a)
+      .field("b", &ElementPair::b, docs::ElementPair_a)
+      .binding()
+      .def(nb::init<ElementPair::Kind, std::uint32_t, std::uint32_t>(), "kind"_a, "a"_a, "b"_a);
   ValueClass<ImpactResult>(m, "ImpactResult", "When two models touch first.")
       .field("status", &ImpactResult::status, "An ImpactStatus.")
       .field("lower", &ImpactResult::lower, docs::ImpactResult_lower)

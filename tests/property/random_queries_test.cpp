@@ -179,7 +179,7 @@ bool is_disturbed(Rng& rng, Model& model, Transform& pose, double size) {
 TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
   Rng rng(1201);
   const std::uint64_t count = count_from("LIMBER_INTERRUPTED_QUERIES", 30000);
-  std::uint64_t interrupted = 0, unknown = 0, contacts = 0, narrowed = 0;
+  std::uint64_t interrupted = 0, undecided = 0, contacts = 0, narrowed = 0;
   for (std::uint64_t asked = 0; asked < count;) {
     Scene s = arbitrary_scene(rng);
     const double margins[] = {0, 0.05 * s.size, 0.001 * s.size};
@@ -205,7 +205,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
         const double limit = rng.below(2) == 0 ? 0 : truth.distance * rng.uniform(0.5, 1.5);
         const CollideResult found = limit == 0 ? collide(a, b, options) : within(a, b, limit, options);
         ASSERT_EQ(wrong_answer(found, limit, a, b, truth), "");
-        unknown += found.answer == Answer::undecided ? 1 : 0;
+        undecided += found.answer == Answer::undecided ? 1 : 0;
         contacts += truth.distance == 0 ? 1 : 0;
       }
       const bool is_a = rng.below(2) == 0;
@@ -213,7 +213,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
     }
   }
   EXPECT_GT(interrupted, count / 10);
-  EXPECT_GT(unknown, count / 50);
+  EXPECT_GT(undecided, count / 50);
   EXPECT_GT(contacts, count / 100);
   EXPECT_GT(narrowed, count / 100);
 }

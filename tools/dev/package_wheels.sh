@@ -39,7 +39,8 @@ prepare() {
   done
 }
 
-# name_libc WHEEL: the module asks for musl's library by the name that wheels know it by. Zig calls it libc.so.
+# name_libc WHEEL: renames the C library that the module needs from libc.so, as Zig calls it, to the name by which auditwheel
+# recognizes musl.
 name_libc() {
   PATH=$tools:$PATH python - "$1" <<'END'
 import subprocess, sys
@@ -52,8 +53,9 @@ with InWheelCtx(wheel := Path(sys.argv[1]), wheel):
 END
 }
 
-# wheel VERSION TARGET [PLATFORM]: auditwheel finds the platform where none is named, and knows names of this one alone.
-# What does not run here takes its stub from what does, whose wheel is built before.
+# wheel VERSION TARGET [PLATFORM]: PLATFORM is a tag for auditwheel, which takes only tags of the machine that it runs on;
+# without one it finds the tag itself. A module that does not run here takes its stub from the one that does, which is
+# built before.
 wheel() {
   local settings=("wheel.py-api=cp312" "build-dir=build/wheel-$1-$2") name processor=${2%%-*} log=$folder/log-$1-$2
   if [[ $2 != x86_64-linux-gnu ]]; then
@@ -148,8 +150,8 @@ try_arm() {
   say "the wheel answers on 64-bit ARM, on QEMU, with Debian's CPython 3.13: $found"
 }
 
-# A CPython for musl, which Debian has only the sources of. It goes without the libraries that musl would need, too, and
-# takes some minutes.
+# A CPython for musl, from Debian's sources, as Debian has no such package. It is compiled without zlib, OpenSSL and
+# others, which Debian does not have for musl either. It takes some minutes.
 musl_python() {
   local place=$root/build/musl_python
   if [[ -x $place/bin/python3.13 ]]; then return 0; fi
@@ -160,7 +162,7 @@ musl_python() {
   curl -fsSL --retry 3 -o "$place/source.tar.xz" http://deb.debian.org/debian/pool/main/p/python3.13/python3.13_3.13.5.orig.tar.xz
   sha256sum --check --quiet <<<"93e583f243454e6e9e4588ca2c2662206ad961659863277afcdb96801647d640  $place/source.tar.xz"
   tar -xf "$place/source.tar.xz" --strip-components=1 -C "$place/source"
-  # musl's script for GCC gives GCC's answer about whose libraries it links.
+  # musl-gcc answers --print-multiarch as GCC does, with the name of glibc's folder.
   cat >"$place/cc" <<'END'
 #!/bin/sh
 [ "$1" != --print-multiarch ] || exec echo x86_64-linux-musl
@@ -173,7 +175,7 @@ END
   rm -rf -- "$place"/source*
 }
 
-# The wheel for musl asks on that CPython and the musl of Debian 13, as NumPy's is not content with the one of Debian 12.
+# The wheel for musl asks on that CPython and the musl of Debian 13: NumPy's wheel crashes on the musl of Debian 12.
 try_musl() {
   local place=$root/build/roots/musl
   musl_python
