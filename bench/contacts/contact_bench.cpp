@@ -6,7 +6,6 @@
 #include <ctime>
 #include <map>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "bench/support/sampling.h"
@@ -78,20 +77,6 @@ Timed ContactBench::time(const std::function<void()>& call, const std::function<
   return samples.medians();
 }
 
-std::vector<Timed> ContactBench::time_in_turn(const std::vector<std::function<void()>>& calls) const {
-  std::vector<Samples> samples(calls.size());
-  for (int run = -1; run < 7 * runs_ && (run < 3 || samples.front().sum_us() < 2e6); ++run) {
-    for (std::size_t i = 0; i < calls.size(); ++i) {
-      // Until other threads of the call before have gone to sleep: their waiting counts as processor's time.
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      run < 0 ? calls[i]() : samples[i].take(calls[i]);
-    }
-  }
-  std::vector<Timed> times;
-  for (const Samples& of_call : samples) times.push_back(of_call.medians());
-  return times;
-}
-
 void ContactBench::add_peer(Row& row, const std::string& library, const std::string& peer, const std::string& question,
                             const std::string& part) const {
   if (const auto found = fastest(rows_of_peers_, peer, row.mesh, question, part)) {
@@ -116,8 +101,7 @@ void ContactBench::add_ipc_frames(Row& row) const {
 
 void ContactBench::write(Table& text) const {
   text.line("# Pairs of triangles and closest points, as printed by `limber_bench_contacts`\n");
-  text.line(
-      "Medians in us, on one thread unless a row says two; `points` are all of one call. Ratios are those of the");
+  text.line("Medians in us, on one thread; `points` are all of one call. Ratios are those of the");
   text.line(
       "other library to ours: by the clock, and by the processor's time. [README](../../contacts/README.md) says what "
       "each");

@@ -53,8 +53,7 @@ class ContactBench {
   void element_frames(const std::string& name, const Mesh& cloth, const std::vector<Vec3>& moved, const Mesh& ball);
 
   // points.cpp
-  /// Closest points of a mesh to the points of one kind that peers.py has made, on one thread and on two.
-  /// Pre: oneTBB is not held to one thread.
+  /// Closest points of a mesh to the points of one kind that peers.py has made.
   void points(const std::string& name, const Mesh& mesh, const std::string& kind);
 
   /// Writes contacts.md.
@@ -63,9 +62,6 @@ class ContactBench {
  private:
   /// As peers.py takes times: an untimed call first, then up to 15, fewer of long ones. prepare() is not timed.
   Timed time(const std::function<void()>& call, const std::function<void()>& prepare = {}) const;
-  /// Times calls that take turns, so that a disturbance of the machine affects all alike. Up to 105 times each,
-  /// because their ratio is to be exact.
-  std::vector<Timed> time_in_turn(const std::vector<std::function<void()>>& calls) const;
   /// A file of answers that a peer may have written.
   std::filesystem::path answer(const std::string& name) const { return settings_.answers / (name + ".txt"); }
   /// Compares with what the IPC Toolkit has within the margin of a mesh, if it was asked. `mesh_count` is the number of

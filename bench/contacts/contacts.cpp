@@ -7,11 +7,9 @@
 //                 triangles with a ball of 10 000, and frames in which all their vertices move. The margin is a
 //                 thousandth of the size. 10 000 points around the bunny, and 10 000 near it, in one call each.
 // Metric          Microseconds a call, medians of up to 15 runs, by the clock and by the processor's time, one thread.
-//                 Closest points on two threads, too; these runs and those on one thread take turns. Ratios of other
-//                 libraries, measured by peers.py as README.md says, to ours.
+//                 Ratios of other libraries, measured by peers.py as README.md says, to ours.
 // Expected shape  Several times faster than other libraries that answer the same question. Where a mesh is close to
-//                 itself everywhere, contacts cost what comparing their triangles costs. Two threads answer at least
-//                 1.9 times as many points as one does.
+//                 itself everywhere, contacts cost what comparing their triangles costs.
 // Checked         Pairs of other libraries: each difference has a reason. Our answers with each other. Closest points
 //                 lie on their triangles; every hundredth by brute force, and those that other libraries have closer.
 #include <oneapi/tbb/global_control.h>
@@ -296,9 +294,7 @@ void ContactBench::element_frames(const std::string& name, const Mesh& cloth, co
 
 namespace {
 
-/// All questions about pairs, on one thread.
 void ask_for_pairs(ContactBench& bench, const Settings& settings) {
-  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   const std::pair<const char*, Mesh> scans[] = {{"cloth", load_mesh(settings.meshes / "cloth_ball_92.ply").value()},
                                                 {"bunny", load_mesh(settings.meshes / "stanford-bunny.obj").value()},
                                                 {"armadillo", load_mesh(settings.meshes / "armadillo.obj").value()}};
@@ -320,6 +316,7 @@ void ask_for_pairs(ContactBench& bench, const Settings& settings) {
 }
 
 void run(const Settings& settings, const Options& options, Checker& checker) {
+  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   ContactBench bench(settings, checker);
   ask_for_pairs(bench, settings);
   const Mesh bunny = load_mesh(settings.meshes / "stanford-bunny.obj").value();

@@ -1,10 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Closest points of many points in one call, on one thread and on two.
-#include <oneapi/tbb/info.h>
-#include <oneapi/tbb/task_arena.h>
-
+// Closest points of many points in one call.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -142,12 +139,6 @@ std::vector<Projector> linked_projectors([[maybe_unused]] const Mesh& mesh) {
   };
 }
 
-bool same_distances(const std::vector<PointResult>& a, const std::vector<PointResult>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PointResult& x, const PointResult& y) {
-    return x.closest->distance == y.closest->distance && x.closest->triangle == y.closest->triangle;
-  });
-}
-
 }  // namespace
 
 void ContactBench::points(const std::string& name, const Mesh& mesh, const std::string& kind) {
@@ -159,16 +150,13 @@ void ContactBench::points(const std::string& name, const Mesh& mesh, const std::
   }
   fmt::print(stderr, "{}, {}\n", name, question);
   const Model model(mesh);
-  std::vector<PointResult> results(points->size()), of_two_threads(points->size());
-  oneapi::tbb::task_arena one(1), two(2);
-  const auto ask_one = [&] { one.execute([&] { closest_point_many({model}, *points, results); }); };
-  const auto ask_two = [&] { two.execute([&] { closest_point_many({model}, *points, of_two_threads); }); };
-  ask_one(), ask_two();
+  std::vector<PointResult> results(points->size());
+  const auto ask = [&] { closest_point_many({model}, *points, results); };
+  ask();
 
   const PointAnswers ours{mesh, diagonal(mesh), *points, results};
   check_points(name, ours, checker_);
   if (!checker_.all_right()) return;
-  checker_.check(same_distances(results, of_two_threads), "{}, {}: two threads have other answers", name, question);
   for (const AskedProjector& projector : asked_projectors) {
     const auto theirs = read_distances(answer(fmt::format("{}_{}_{}", projector.peer, name, question)), points->size());
     if (!theirs) continue;
@@ -187,24 +175,14 @@ void ContactBench::points(const std::string& name, const Mesh& mesh, const std::
   }
   if (!checker_.all_right()) return;
 
-  const bool has_two = oneapi::tbb::info::default_concurrency() >= 2;
-  std::vector<std::function<void()>> calls{ask_one};
-  if (has_two) calls.emplace_back(ask_two);
-  const std::vector<Timed> times = time_in_turn(calls);
   const std::string count = std::to_string(points->size());
-  Row row{question, name, times[0], count};
+  Row row{question, name, time(ask), count};
   for (const Projector& projector : linked) {
     const Timed taken = time([&] { ask_all(projector); });
     row.peers.push_back({projector.library, projector.setting, count, taken});
   }
   for (const AskedProjector& projector : asked_projectors) add_peer(row, projector.name, projector.peer, question);
   rows_.push_back(row);
-  if (!has_two) {
-    fmt::print(stderr, "{} on two threads is left out: this process may use one processor only\n", question);
-    return;
-  }
-  rows_.push_back(
-      {question + ", two threads", name, times.back(), count, {{"limber, one thread", "", count, times[0]}}});
 }
 
 }  // namespace limber::bench

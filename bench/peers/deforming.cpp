@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,24 +56,6 @@ void full_refits(std::uint32_t nx, std::uint32_t ny, int rounds, Checker& checke
     table.line("| {} | {} | {:.3g} | {:.3g} | {:.3g} |", count, contestants[i].name, summary.min, summary.median,
                summary.median / median(ns[0]));
   }
-}
-
-void two_threads(std::uint32_t nx, std::uint32_t ny, int rounds, Table& table) {
-  const scenes::Motion sheet = scenes::waving_sheet(nx, ny);
-  const auto count = static_cast<double>(sheet.mesh.triangles().size());
-  Model model(sheet.mesh, {.rebuild_policy = RebuildPolicy::off});
-  std::vector<double> commit_us[2];
-  for (int round = 1; round <= rounds; ++round) {
-    for (const std::size_t threads : {1U, 2U}) {
-      const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-      if (!model.move_all(sheet.positions(round))) return;
-      const Stopwatch watch;
-      model.commit();
-      commit_us[threads - 1].push_back(watch.us());
-    }
-  }
-  const double one = median(commit_us[0]) * 1e3 / count, two = median(commit_us[1]) * 1e3 / count;
-  table.line("| {} | {:.3g} | {:.3g} | {:.3g} |", count, one, two, one / two);
 }
 
 /// The pose of the bunny in a frame of the waving sheet.
@@ -186,14 +167,8 @@ void real_cloth(const std::filesystem::path& meshes, const Mesh& bunny, int fram
 void run(const Options& options, Checker& checker) {
   Table table(options, "deforming.md");
   const int rounds = options.quick ? 4 : 41;
-  std::optional<oneapi::tbb::global_control> one_thread;
   table.line("# Keeping trees of deforming meshes, as printed by `limber_bench_deforming`");
-  table.line("\n### On more threads: commit of all vertices, ns a triangle\n");
-  table.line("| triangles | one thread | two | ratio |\n|--:|--:|--:|--:|");
-  two_threads(100, 100, rounds, table);
-  two_threads(400, 250, rounds, table);
-  if (!options.quick) two_threads(1000, 1000, rounds, table);
-  one_thread.emplace(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   table.line("\n### All vertices: ns a triangle, moving them included\n");
   table.line("| triangles | library | least | median | times ours |\n|--:|:--|--:|--:|--:|");
   full_refits(100, 100, rounds, checker, table);

@@ -110,16 +110,15 @@ void compare(const PeerScene& scene, std::vector<Contestant> contestants, int ro
   }
 }
 
-double build_us(const Mesh& mesh, std::size_t threads) {
-  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+double build_us(const Mesh& mesh) {
   Mesh copy = mesh;
   return mean_us(1, [&] { const Model model(std::move(copy)); });
 }
 
 void compare_builds(const std::string& name, const Mesh& mesh, int rounds, Table& table) {
+  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   const std::pair<const char*, std::function<double()>> builders[] = {
-      {"limber", [&] { return build_us(mesh, 1); }},
-      {"limber, two threads", [&] { return build_us(mesh, 2); }},
+      {"limber", [&] { return build_us(mesh); }},
 #ifdef LIMBER_PEER_EMBREE
       {"Embree Morton", [&] { return embree_morton_build_us(mesh); }},
       {"Embree SAH", [&] { return embree_sah_build_us(mesh); }},

@@ -7,12 +7,11 @@
 //                 frame, turned at random. The box is so large that each has about as many pairs as the table says.
 // Metric          Time of a frame: all poses set, boxes and tree brought up to date, all candidate pairs collected.
 //                 All libraries have the same boxes; what they spend on computing their own is counted. One thread.
-//                 Then limber's queries of all pairs, on one thread and on all.
-// Expected shape  A third of the time of FCL and Coal, or less; queries of pairs scale with threads.
+//                 Then limber's queries of all pairs.
+// Expected shape  A third of the time of FCL and Coal, or less.
 // Checked         limber's pairs are among the others' pairs, which only know boxes; of those that are missing the
 //                 balls are apart. All answers of the queries are those for two models.
 #include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/info.h>
 
 #include <algorithm>
 #include <cmath>
@@ -163,8 +162,7 @@ class Frames {
 };
 
 /// Queries of all pairs, frame by frame.
-void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& checker, Table& text) {
-  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+void time_queries(const Mesh& shape, int frames, Checker& checker, Table& text) {
   constexpr double margin = 0.1;
   Swarm swarm(2000, 2);
   const Model model(shape);
@@ -213,8 +211,8 @@ void time_queries(const Mesh& shape, std::size_t threads, int frames, Checker& c
     checker.check(std::abs(closest.result.upper - least) <= 1e-13 && std::abs(again.result.upper - least) <= 1e-13,
                   "closest {} and {} instead of {}", closest.result.upper, again.result.upper, least);
   }
-  text.line("| {} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} |", threads, pair_count, median(collide_us),
-            median(cold_us), median(warm_us), median(closest_us), median(warm_closest_us));
+  text.line("| {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} |", pair_count, median(collide_us), median(cold_us),
+            median(warm_us), median(closest_us), median(warm_closest_us));
 }
 
 void run(const Options& options, Checker& checker) {
@@ -232,24 +230,20 @@ void run(const Options& options, Checker& checker) {
       "| bodies | pairs a body, asked | library | found | poses | update | pairs | frame, minimum | median | p99 | "
       "times limber |");
   text.line("|--:|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|");
-  {
-    const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
-    for (const auto& [count, pairs_per_body] :
-         {std::pair<std::size_t, double>{200, 2}, {2000, 1}, {2000, 2}, {2000, 3}, {20'000, 2}}) {
-      if (options.quick && count > 2000) continue;
-      Frames bodies(shape, count, pairs_per_body);
-      bodies.play(count > 2000 ? frames / 10 : frames, checker);
-      bodies.report(text);
-    }
+  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  for (const auto& [count, pairs_per_body] :
+       {std::pair<std::size_t, double>{200, 2}, {2000, 1}, {2000, 2}, {2000, 3}, {20'000, 2}}) {
+    if (options.quick && count > 2000) continue;
+    Frames bodies(shape, count, pairs_per_body);
+    bodies.play(count > 2000 ? frames / 10 : frames, checker);
+    bodies.report(text);
   }
   text.line("\n## Queries of all pairs\n");
   text.line("2000 bodies, two pairs of boxes a body; a margin of 0.1. Medians in microseconds for all pairs together,");
   text.line("exact distances up to the margin, and of the closest two bodies that do not meet.\n");
-  text.line("| threads | pairs | collide | distance | distance, SceneCache | closest objects | with SceneCache |");
-  text.line("|--:|--:|--:|--:|--:|--:|--:|");
-  const auto all = static_cast<std::size_t>(oneapi::tbb::info::default_concurrency());
-  time_queries(shape, 1, frames / 3, checker, text);
-  if (all > 1) time_queries(shape, all, frames / 3, checker, text);
+  text.line("| pairs | collide | distance | distance, SceneCache | closest objects | with SceneCache |");
+  text.line("|--:|--:|--:|--:|--:|--:|");
+  time_queries(shape, frames / 3, checker, text);
 }
 
 }  // namespace

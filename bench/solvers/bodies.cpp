@@ -20,56 +20,16 @@
 #include <string>
 #include <vector>
 
+#include "bench/solvers/heap.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/contacts.h"
 #include "limber/scene.h"
-#include "scenes/scenes.h"
-#include "scenes/surfaces.h"
 
 namespace limber::bench {
 namespace {
 
-constexpr std::size_t body_count = 2000;
 constexpr double margin = 0.01;
-
-/// Bodies of about radius 1, a little less than 2 apart.
-class Heap {
- public:
-  Heap() : rng_(17) {
-    const Box box{{-0.7, -0.7, -0.7}, {0.7, 0.7, 0.7}};
-    models_.reserve(3);
-    models_.emplace_back(scenes::ball(32, 18));
-    models_.emplace_back(scenes::boxes({box}));
-    models_.emplace_back(scenes::ring(24, 12, 0.3));
-    constexpr std::size_t side = 20;
-    for (std::size_t i = 0; i < body_count; ++i) {
-      const std::size_t row = i / side, layer = row / side;
-      const Vec3 cell{static_cast<double>(i % side), static_cast<double>(row % side), static_cast<double>(layer)};
-      poses.push_back({scenes::random_rotation(rng_), 1.95 * cell + within(0.05)});
-      ids.push_back(scene.add({models_[i % models_.size()], poses.back()}));
-    }
-  }
-
-  void move() {
-    const double angle = 0.01, c = scenes::cosine(angle), s = scenes::sine(angle);
-    const Mat3 turn{{c, -s, 0}, {s, c, 0}, {0, 0, 1}};
-    for (Transform& pose : poses) {
-      pose.translation += within(0.01);
-      pose.rotation = turn * pose.rotation;
-    }
-  }
-
-  Scene scene;
-  std::vector<ObjectId> ids;
-  std::vector<Transform> poses;
-
- private:
-  Vec3 within(double most) { return {rng_.uniform(-most, most), rng_.uniform(-most, most), rng_.uniform(-most, most)}; }
-
-  scenes::Rng rng_;
-  std::vector<Model> models_;
-};
 
 bool are_same(const Contact& s, const Contact& t) {
   return s.triangle_a == t.triangle_a && s.triangle_b == t.triangle_b && s.distance == t.distance &&
@@ -91,7 +51,7 @@ void check_contacts(const Scene& scene, std::span<const ObjectPair> pairs, const
 void run(const Options& options, Checker& checker) {
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 2);
   Heap heap;
-  std::vector<ObjectPair> pairs(64 * body_count);
+  std::vector<ObjectPair> pairs(64 * heap.ids.size());
   std::vector<double> us_a_contact[2], processor_us_a_contact[2];
   ObjectContacts found;
   std::size_t pair_count = 0, contact_count = 0;
@@ -118,7 +78,7 @@ void run(const Options& options, Checker& checker) {
   Table text(options, "bodies.md");
   text.line("# Contacts of a heap of bodies, as printed by `limber_bench_bodies`\n");
   text.line("{} bodies, {} candidate pairs, {} contacts within a hundredth of a radius in the last frame.\n",
-            body_count, pair_count, contact_count);
+            heap.ids.size(), pair_count, contact_count);
   text.line("| threads | us a contact, least | median | of processors, least | median | times as fast |");
   text.line("|--:|--:|--:|--:|--:|--:|");
   const Summary one = summarize(us_a_contact[0]);

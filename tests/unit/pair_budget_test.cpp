@@ -30,8 +30,8 @@ using Clock = std::chrono::steady_clock;
 struct Waves {
   Model low{scenes::wave_sheet(24, 24, 0)}, high{scenes::wave_sheet(24, 24, 1)};
   Placed a{low}, b{high, {{}, {0.3, 0.2, 0.05}}};
+  static constexpr double margin = 0.2;
 };
-constexpr double margin = 0.2;
 
 std::pair<TriangleId, TriangleId> ids_of(const Contact& p) { return {p.triangle_a, p.triangle_b}; }
 std::pair<TriangleId, TriangleId> ids_of(const TrianglePair& p) { return {p.a, p.b}; }
@@ -80,7 +80,7 @@ TEST(PairBudget, OfStepsGivesTheFirstPairs) {
   check_steps<TrianglePair>(
       [&](auto visit, const auto& options) { return visit_intersections(w.a, w.b, visit, options); });
   check_steps<Contact>(
-      [&](auto visit, const auto& options) { return visit_contacts(w.a, w.b, margin, visit, options); });
+      [&](auto visit, const auto& options) { return visit_contacts(w.a, w.b, Waves::margin, visit, options); });
   check_steps<Contact>(
       [&](auto visit, const auto& options) { return visit_self_contacts(w.low, 0.4, visit, options); });
 }
@@ -92,7 +92,7 @@ TEST(PairBudget, OfElementsGivesTheFirstPairs) {
     std::vector<EdgeEdgePair> edges(100'000), all_edges = edges;
     const auto find = [&](const ElementPairOptions& options) {
       return is_self ? self_element_pairs(w.low, 0.3, faces, edges, options)
-                     : element_pairs(w.a, w.b, margin, faces, edges, options);
+                     : element_pairs(w.a, w.b, Waves::margin, faces, edges, options);
     };
     const ElementPairCount all = find({});
     ASSERT_GT(all.vertex_face, 50U);
@@ -183,9 +183,9 @@ TEST(PairBudget, IsNotSpentWhereBoundsPruneAll) {
   const Placed far{w.high, {{}, {0, 0, 50}}};
   const QueryBudget none{.max_steps = 0};
   std::vector<Contact> room(4);
-  EXPECT_TRUE(contacts(w.a, far, margin, room, {.budget = none}).is_complete);
-  EXPECT_TRUE(closest_pairs(w.a, far, room, {.max_distance = margin, .budget = none}).is_complete);
-  EXPECT_TRUE(element_pairs(w.a, far, margin, {}, {}, {.budget = none}).is_complete);
+  EXPECT_TRUE(contacts(w.a, far, Waves::margin, room, {.budget = none}).is_complete);
+  EXPECT_TRUE(closest_pairs(w.a, far, room, {.max_distance = Waves::margin, .budget = none}).is_complete);
+  EXPECT_TRUE(element_pairs(w.a, far, Waves::margin, {}, {}, {.budget = none}).is_complete);
   EXPECT_FALSE(closest_pairs(w.a, far, room, {.budget = none}).is_complete);
 }
 

@@ -22,6 +22,8 @@
 #: bench shapes [F]  distances of shapes to a large mesh, next to closest points; F is a folder with stanford-bunny.obj
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
 #: bench configurations  the closest links of two arms in 10 000 configurations, in Python, next to python-fcl
+#: bench threads [F]  how much faster what runs on several threads is, on 2, 4, 8, ... of them; F is a folder with
+#:                  cloth_ball_92.ply, cloth_ball_93.ply, stanford-bunny.obj and armadillo.obj
 #: bench solvers F  what solvers ask for, in one table: contacts of a heap of bodies on one thread and on two, and from
 #:                  bench contacts F and bench configurations self-intersections, elements and configurations
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -210,6 +212,13 @@ bench_configurations() {
     "$root/bench/scene/configurations.py" --out "$results" "$@" </dev/null
 }
 
+bench_threads() {
+  use_meshes "$@"
+  need build io program
+  build_benches threads
+  run_bench threads "${meshes[@]}"
+}
+
 bench_solvers() {
   (($#)) || die "bench solvers: which folder has the meshes? See ./dev help"
   need build io program
@@ -237,9 +246,10 @@ case $name in
   shapes) bench_shapes "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
   configurations) bench_configurations "${@:2}" ;;
+  threads) bench_threads "${@:2}" ;;
   solvers) bench_solvers "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
     "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, shapes, scene," \
-    "configurations, solvers" ;;
+    "configurations, threads, solvers" ;;
 esac
 say "results are in $results"
