@@ -6,7 +6,7 @@
 pkgs.stdenv.mkDerivation {
   pname = "limber";
   version = "1.0.0";
-  src = ../..;
+  src = builtins.filterSource (path: type: !builtins.elem (baseNameOf path) [ ".git" "build" ]) ../..;
   nativeBuildInputs = [ pkgs.cmake pkgs.ninja ];
   buildInputs = [ pkgs.boost pkgs.cli11 pkgs.fmt pkgs.libhwy pkgs.nlohmann_json pkgs.onetbb ];
   cmakeFlags = [ "-DBUILD_SHARED_LIBS=ON" "-DLIMBER_FETCH=OFF" ];

@@ -10,6 +10,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 source "$root/tools/dev/roots.sh"
 
 folder=$root/build/publish
+export CCACHE_DISABLE=1  # it may shorten names of files that are compiled in: others would get other bits
 name=limber-$version
 
 # The README's way to install, its Python package and its first programs, from the archive.
