@@ -3,14 +3,15 @@
 
 // Question        How much faster is what runs on several threads, on 2, 4, 8, ... of them?
 // Workload        A heap of 2 000 bodies: a frame of a solver, distances and collisions of all its pairs, the closest
-//                 objects of 200 configurations. A made sheet of 2 000 000 triangles: building, moving and committing
+//                 objects of 2 000 configurations. A made sheet of 2 000 000 triangles: building, moving and committing
 //                 all vertices, contacts with another sheet. With files: a bunny, an armadillo and a cloth on a ball
 //                 with themselves, closest points of 100 000 points in their boxes, the impacts of the cloth's step.
 // Metric          Milliseconds on one thread, median; how many times as fast the others are, by medians. Numbers of
 //                 threads take turns, up to the processors that this process may use.
 // Expected shape  Queries of many pairs or points nearly as many times as there are processors; pairs of one query some
 //                 ten times on 16; building a tree and committing all vertices three to seven times.
-// Checked         Answers are the same on any number of threads, to the bit.
+// Checked         Answers of queries are the same on any number of threads, to the bit. Models that were built or
+//                 moved are not compared here.
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -21,7 +22,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bench/solvers/heap.h"
@@ -29,12 +29,12 @@
 #include "bench/support/sampling.h"
 #include "limber/io.h"
 #include "limber/limber.h"
-#include "scenes/motions.h"
+#include "scenes/scenes.h"
 
 namespace limber::bench {
 namespace {
 
-/// Of answers, in their order.
+/// A hash of answers, which depends on their order.
 class Hash {
  public:
   void add(std::uint64_t value) { hash_ = (std::rotl(hash_, 23) ^ value) * 0x9E3779B97F4A7C15U; }

@@ -10,7 +10,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 source "$root/tools/dev/roots.sh"
 
 folder=$root/build/publish
-export CCACHE_DISABLE=1  # it may shorten names of files that are compiled in: others would get other bits
+export CCACHE_DISABLE=1  # ccache may shorten names of files that are compiled in; then nobody else gets the same bits
 name=limber-$version
 
 # The README's way to install, its Python package and its first programs, from the archive.
