@@ -73,16 +73,20 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/limberConfigVersion.cmake
 install(FILES ${PROJECT_BINARY_DIR}/limberConfig.cmake ${PROJECT_BINARY_DIR}/limberConfigVersion.cmake
   DESTINATION ${cmake_folder})
 
+# The licenses of what is compiled in; reports of the program have libraries of their own inside.
+file(READ ${PROJECT_SOURCE_DIR}/packaging/NOTICES.txt notices)
+if(TARGET limber_program)
+  file(READ ${PROJECT_SOURCE_DIR}/apps/limber/pages/viewer.html page)
+  string(REGEX MATCH "id=\"notices\">\n([^<]*)" page "${page}")
+  string(APPEND notices "\nReports of the program contain:\n\n${CMAKE_MATCH_1}")
+endif()
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/NOTICES.txt CONTENT "${notices}" @ONLY)
 # Not CMAKE_INSTALL_DOCDIR: that is named after whichever project asked for these folders first.
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/limber)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_BINARY_DIR}/NOTICES.txt
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/limber)
 if(TARGET limber_program)
   set_target_properties(limber_program PROPERTIES INSTALL_RPATH "${run_path}")
   install(TARGETS limber_program)
-  # The licenses of what reports have inside.
-  file(READ ${PROJECT_SOURCE_DIR}/apps/limber/pages/viewer.html page)
-  string(REGEX MATCH "id=\"notices\">\n([^<]*)" notices "${page}")
-  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/NOTICES.txt CONTENT "${CMAKE_MATCH_1}" @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/NOTICES.txt DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/limber)
   if(NOT CMAKE_CROSSCOMPILING)
     install(FILES ${PROJECT_BINARY_DIR}/apps/limber/limber.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   endif()

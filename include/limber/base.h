@@ -23,6 +23,18 @@ using TriangleId = std::uint32_t;
 /// Stands where an id is asked for and none exists.
 inline constexpr std::uint32_t no_id = 0xffff'ffffU;
 
+// Containers have other sizes with _GLIBCXX_DEBUG, which no symbol tells. Each program refers to that of these two constants
+// that it was compiled for, and the library has one of them: where they disagree, linking fails by that name.
+#if defined(__GLIBCXX__) && defined(__ELF__)
+#ifdef _GLIBCXX_DEBUG
+#define LIMBER_LAYOUT compiled_with_GLIBCXX_DEBUG
+#else
+#define LIMBER_LAYOUT compiled_without_GLIBCXX_DEBUG
+#endif
+LIMBER_API extern const char LIMBER_LAYOUT;
+[[gnu::used]] static const char* const layout_of_library = &LIMBER_LAYOUT;
+#endif
+
 /// What was wrong with something that came from outside.
 enum class ErrorCode {
   empty_mesh,            ///< no triangle
@@ -71,7 +83,8 @@ class [[nodiscard]] Result {
   Result(T value) : state_(std::move(value)) {}
   Result(Error error) : state_(std::move(error)) {}
 
-  explicit operator bool() const { return state_.index() == 0; }
+  bool has_value() const { return state_.index() == 0; }
+  explicit operator bool() const { return has_value(); }
   const T& operator*() const& { return *std::get_if<0>(&state_); }
   T& operator*() & { return *std::get_if<0>(&state_); }
   const T* operator->() const { return std::get_if<0>(&state_); }
@@ -96,7 +109,8 @@ class [[nodiscard]] Result<void> {
   Result() = default;
   Result(Error error) : error_(std::move(error)) {}
 
-  explicit operator bool() const { return !error_.has_value(); }
+  bool has_value() const { return !error_.has_value(); }
+  explicit operator bool() const { return has_value(); }
   void value() const {
     if (error_) throw_bad_result(*error_);
   }

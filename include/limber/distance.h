@@ -56,7 +56,7 @@ enum class DistanceStatus {
 struct QueryBudget {
   std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt;
   /// A number of steps gives the same answer on every machine, however fast it is.
-  std::uint64_t max_steps = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t max_steps = (std::numeric_limits<std::uint64_t>::max)();
   /// Ends the query once it is true. Has to live as long as the query; may be set by any thread.
   const std::atomic<bool>* cancel = nullptr;
 };

@@ -40,10 +40,10 @@ constexpr Vec3 operator*(double s, Vec3 v) { return v *= s; }
 [[nodiscard]] constexpr double length_sq(const Vec3& v) { return dot(v, v); }
 [[nodiscard]] inline double length(const Vec3& v) { return std::sqrt(length_sq(v)); }
 
-[[nodiscard]] constexpr Vec3 min(const Vec3& a, const Vec3& b) {
+[[nodiscard]] constexpr Vec3(min)(const Vec3& a, const Vec3& b) {
   return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
 }
-[[nodiscard]] constexpr Vec3 max(const Vec3& a, const Vec3& b) {
+[[nodiscard]] constexpr Vec3(max)(const Vec3& a, const Vec3& b) {
   return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
 }
 [[nodiscard]] inline Vec3 abs(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }

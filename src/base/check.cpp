@@ -26,6 +26,10 @@ AssertHandler set_assert_handler(AssertHandler handler) {
 
 AssertHandler assert_handler() { return current_handler.load(); }
 
+#ifdef LIMBER_LAYOUT
+const char LIMBER_LAYOUT = 0;
+#endif
+
 BadResult::BadResult(Error error) : std::runtime_error(error.text), error_(std::move(error)) {}
 BadResult::~BadResult() = default;
 

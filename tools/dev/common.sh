@@ -191,12 +191,12 @@ install_typescript() {
   fi
 }
 
-# build_web PROGRAM: the package, and what npm installs to test it with; a native program beside it.
-build_web() {
+# The JavaScript package with its types; the working directory is then build/web.
+build_package() {
   compile_web
-  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_WEB=ON
-  build release --target "$1"
   install_typescript
+  rm -f -- limber3d/*.d.ts
+  node_modules/.bin/tsc -p tsconfig.json
 }
 
 # Our C++ files below the working directory, each ended by a zero byte. Needs no git.

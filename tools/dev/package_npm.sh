@@ -8,15 +8,11 @@ source "$root/tools/dev/roots.sh"
 
 folder=$artefacts/npm
 
-build_package() {
+pack() {
   local file listed
-  compile_web
-  install_typescript
   rm -rf -- "$folder"
+  build_package
   mkdir -p -- "$folder"
-  cd -- "$root/build/web"
-  rm -f -- limber3d/*.d.ts
-  node_modules/.bin/tsc -p tsconfig.json
   listed=$(npm pack --dry-run ./limber3d 2>&1 </dev/null)
   for file in limber.wasm index.js index.d.ts package.json README.md LICENSE NOTICES.txt; do
     [[ $listed == *" $file"* ]] || die "npm would not pack $file: $listed"
@@ -33,6 +29,6 @@ try() {
   say "the JavaScript package answers on Debian $1"
 }
 
-build_package
+pack
 if [[ ${1:-} != --build ]]; then try bookworm; fi
 say "the package is in ${folder#"$root/"}: $(cd -- "$folder" && echo *.tgz)"

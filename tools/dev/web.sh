@@ -4,12 +4,14 @@
 
 #: web [args]       build the JavaScript package, in WebAssembly, and test it next to the native library; arguments go to
 #:                  node --test
+#: web build        build the package alone
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
-build_web limber_web_answers
+build_package
+if [[ ${1:-} == build ]]; then exit; fi
+configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_WEB=ON
+build release --target limber_web_answers
 "$root/build/release/web/limber_web_answers" answers.json
-rm -f -- limber3d/*.d.ts
-node_modules/.bin/tsc -p tsconfig.json
 node_modules/.bin/tsc -p tests/tsconfig.json
 for example in examples/*.js; do
   say "running $example"

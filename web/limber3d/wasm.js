@@ -80,15 +80,21 @@ async function instantiate(source = new URL("./limber.wasm", import.meta.url)) {
     return (await WebAssembly.instantiate(source, imports)).instance;
   }
   if (source instanceof URL && source.protocol === "file:") {
-    // Node.js does not fetch files. Bundlers are to leave this alone.
-    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ "node:fs/promises");
+    // Node.js does not fetch files. Bundlers are to leave this alone: the name is none that they see.
+    const module = ["node:fs", "promises"].join("/");
+    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ module);
     return (await WebAssembly.instantiate(new Uint8Array(await readFile(source)), imports)).instance;
   }
   const response = source instanceof Response ? source : await fetch(source);
   const { ok, status, statusText, url } = response;
   if (!ok) throw new LimberError("unreadableFile", `${url}: ${status} ${statusText}`);
-  if (response.headers.get("Content-Type")?.startsWith("application/wasm")) {
+  const type = response.headers.get("Content-Type");
+  if (type?.startsWith("application/wasm")) {
     return (await WebAssembly.instantiateStreaming(response, imports)).instance;
+  }
+  // Servers of development answer with a page where there is no file.
+  if (type?.startsWith("text/html")) {
+    throw new LimberError("unreadableFile", `${url}: a page of HTML, no WebAssembly; init(source) tells where limber.wasm is`);
   }
   return (await WebAssembly.instantiate(await response.arrayBuffer(), imports)).instance;
 }

@@ -99,7 +99,6 @@ async function built({ title, folder, sheets, head, content, notices }) {
     metafile: true,
     write: false,
     logLevel: 'warning',
-    external: ['node:*'], // limber3d reads its module by itself in Node.js alone
     logOverride: { 'empty-import-meta': 'silent' },
   });
   const style = await transform(sheets.map(read).join('\n'), {

@@ -28,7 +28,8 @@ test("init() fails as its source does, and may be repeated", async () => {
 test("the module is fetched, whatever its type", async () => {
   const bytes = readFileSync(new URL("../limber3d/limber.wasm", import.meta.url));
   const server = createServer((request, response) => {
-    const type = request.url === "/typed.wasm" ? "application/wasm" : "application/octet-stream";
+    const types = { "/typed.wasm": "application/wasm", "/page.wasm": "text/html; charset=utf-8" };
+    const type = types[request.url] ?? "application/octet-stream";
     response.writeHead(request.url === "/missing.wasm" ? 404 : 200, { "Content-Type": type, Connection: "close" });
     response.end(bytes);
   });
@@ -38,6 +39,7 @@ test("the module is fetched, whatever its type", async () => {
     for (const name of ["typed", "plain"]) {
       const { engine, init } = await import(`../limber3d/wasm.js?${name}`);  // an instance of its own
       await assert.rejects(init(`${address}/missing.wasm`), { code: "unreadableFile", message: /missing.wasm: 404/ });
+      await assert.rejects(init(`${address}/page.wasm`), { code: "unreadableFile", message: /page.wasm: a page of HTML/ });
       assert.throws(engine, isNotInitialized);
       await init(new URL(`${address}/${name}.wasm`));
       assert.ok(engine().exchange() > 0);
