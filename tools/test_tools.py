@@ -13,8 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import check_layers
-import check_refs
-import check_sizes
+import check_text
 import doxygen_filter
 import mutants
 import random_faults
@@ -110,99 +109,39 @@ class Layers(Repository):
                 self.assert_faulty(check_layers.check, self.includes(path, target), f"{path}:3: includes ")
 
 
-class Sizes(Repository):
-    def sound(self, lines: int = 10) -> dict[str, str]:
-        """Ten files, each with a check in ten lines."""
-        text = HEAD + "LIMBER_ASSERT(true);\n" + "\n" * (lines - 3)
-        return {f"src/base/file{i}.cpp": text for i in range(10)}
+class Texts(Repository):
+    BIB = {"docs/references.bib": "@article{Euler1999,\n title = {x}\n}\n"}
+    SHORT = {f"src/base/file{i}.cpp": HEAD for i in range(10)}
 
     def test_what_is_sound(self) -> None:
-        for more in (
-            {},
-            {"tests/unit/long.cpp": HEAD + "\n" * 500},  # one in ten
-            {"src/base/b.h": HEAD + "// TODO(#12): that\n"},
-            {"src/base/b.h": HEAD + "// " + 117 * "a" + "\n"},
-        ):
-            with self.subTest(more=more):
-                self.assert_sound(check_sizes.check, self.sound() | more)
+        self.assert_sound(check_text.check, self.SHORT | self.BIB | {
+            "tests/unit/long.cpp": HEAD + "\n" * 500,  # one in ten
+            "src/base/b.h": HEAD + "// TODO(#12): that\n// " + 117 * "a" + "\n",
+            "src/base/a.cpp": "// std::cout, [Euler1999], see docs/a.md\nint x = y[A1999x];\nf(\"printf()\");\nsnprintf(b, n, f);\n"
+                              "static_assert(true);\nssize_t exit_code();\n",
+            "docs/a.md": "# A b\n[b](b/b.md#c-d) [web](https://example.org/x.md) `[code](nowhere)` [self](#a-b)\n",
+            "docs/b/b.md": "# C, d!\n[up](../a.md)\n```\n[x](nowhere.md)\n```\n",
+        })
 
     def test_what_is_not(self) -> None:
         long = {f"tests/unit/long{i}.cpp": HEAD + "\n" * 500 for i in range(2)}
-        for more, starts in (
+        cases = [
             (long, ("tests/unit/long0.cpp:502: ", "tests/unit/long1.cpp:502: ")),
             ({"tests/unit/huge.cpp": HEAD + "\n" * 800}, ("tests/unit/huge.cpp:802: ",)),
-            ({"src/base/b.h": HEAD + "// TODO: all\n"}, ("src/base/b.h:3: ",)),
             ({"docs/a.md": "\n\nFIXME\n"}, ("docs/a.md:3: ",)),
             ({"src/base/b.h": HEAD + "// " + 118 * "a" + "\n"}, ("src/base/b.h:3: 121 ",)),
-        ):
-            with self.subTest(starts=starts):
-                self.assert_faulty(check_sizes.check, self.sound() | more, *starts)
-
-    def test_checks_are_required_and_comments_do_not_count(self) -> None:
-        tree = {"src/base/a.cpp": HEAD + "// LIMBER_ASSERT(true)\n#define LIMBER_ASSERT(x) (x)\n"}
-        self.assert_faulty(check_sizes.check, tree, "src:1: 0.0 checks ")
-
-    def test_silence(self) -> None:
-        for text in ("std::cout << 1;", "std::cerr << 1;", 'printf("");', "fprintf(stderr, x);", "#include <iostream>",
-                     "std::abort();", "exit(1);", "assert(x);"):
-            with self.subTest(text=text):
-                tree = self.sound() | {"src/base/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
-                self.assert_faulty(check_sizes.check, tree, "src/base/b.cpp:4: ")
-        for text in ("// std::cout", 'f("printf()");', "snprintf(b, n, f);", "static_assert(true);", "ssize_t exit_code();"):
-            with self.subTest(text=text):
-                tree = self.sound() | {"src/base/b.cpp": HEAD + "LIMBER_ASSERT(true);\n" + text + "\n"}
-                self.assert_sound(check_sizes.check, tree)
-
-
-class References(Repository):
-    BIB = {"docs/references.bib": "@article{Euler1999,\n title = {x}\n}\n"}
-
-    def test_sound(self) -> None:
-        tree = self.BIB | {
-            "src/a.cpp": "// [Euler1999], see docs/a.md\nint x = y[A1999x];\n",
-            "docs/a.md": "# A b\n[b](b/b.md#c-d) [web](https://example.org/x.md) `[code](nowhere)` [self](#a-b)\n",
-            "docs/b/b.md": "# C, d!\n[up](../a.md)\n```\n[x](nowhere.md)\n```\n",
-        }
-        self.assert_sound(check_refs.check, tree)
-
-    def test_what_is_missing(self) -> None:
-        for tree, start in (
-            (self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}, "src/a.cpp:2: [Gauss1988] "),
-            ({"docs/a.md": "[Euler1999]\n"}, "docs/a.md:1: "),
-            (self.BIB, "docs/references.bib:1: Euler1999 is cited nowhere"),
-            ({"docs/references.bib": self.BIB["docs/references.bib"] * 2, "a.md": "[Euler1999]\n"},
-             "docs/references.bib:4: Euler1999 is defined twice"),
-            ({"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, "src/a.h:2: docs/alg"),
-            ({"src/a.h": "// fixed by tests/unit/no_test.cpp\n"}, "src/a.h:1: tests/unit"),
-        ):
-            with self.subTest(start=start):
-                self.assert_faulty(check_refs.check, tree, start)
-
-    def test_dead_links(self) -> None:
-        for link in ("[a](no.md)", "![a](no.svg)", "[a](../no.md)", "[a]: no.md", '<img src="no.png">', "[a](#no)",
-                     "[a](a.md#no)", "[a](../../etc)"):
-            with self.subTest(link=link):
-                self.assert_faulty(check_refs.check, {"docs/a.md": f"\n{link}\n"}, "docs/a.md:2: link ")
-
-    def test_contents_of_the_site(self) -> None:
-        tree = {"docs/site/contents.md": "```{toctree}\n:glob:\n\napi/cpp\ndocs/b/*\nREADME\n```\n",
-                "docs/b/c.md": "<!-- x -->\n\n# C\n", "README.md": "# R\n"}
-        self.assert_sound(check_refs.check, tree)
-        self.assert_faulty(check_refs.check, tree | {"docs/b/c.md": "C\n"}, "docs/b/c.md:1: a page begins with a title")
-        del tree["docs/b/c.md"]
-        self.assert_faulty(check_refs.check, tree, "docs/site/contents.md:5: there is no page docs/b/*")
-
-    def test_bugs_of_peers(self) -> None:
-        page = ("Asked: 2 threads, 1 tests. Right: 2. Not askable: 1 threads.\n\n| thread | what | test | limber |\n"
-                "|---|---|---|---|\n| A #1, B #2 | x | `A.B` | right |\n\n| thread | what | why |\n|---|---|---|\n| C #3 | x | y |\n")
-        test = "// A #1, B #2: x\nTEST(A, B) {}\n"
-        tree = {"docs/peers.md": page, "tests/peers/a_test.cpp": test}
-        self.assert_sound(check_refs.check, tree)
-        for old, new, said in (("`A.B`", "`A.C`", ("A.B", "A.C")), ("B #2", "B #4", ("#2", "#4")),
-                               ("right |", "wrong |", ("wrong counts",)), ("C #3", "C #3, #4", ("wrong counts",))):
-            with self.subTest(new=new):
-                changed = tree | {"docs/peers.md": page.replace(old, new)}
-                self.assert_faulty(check_refs.check, changed, *(f"docs/peers.md:1: {text}" for text in said))
+            (self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}, ("src/a.cpp:2: [Gauss1988] ",)),
+            (self.BIB, ("docs/references.bib:1: Euler1999 is cited nowhere",)),
+            ({"docs/references.bib": self.BIB["docs/references.bib"] * 2, "a.md": "[Euler1999]\n"}, ("docs/references.bib:1: ",)),
+            ({"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, ("src/a.h:2: docs/alg",)),
+        ]
+        cases += [({"src/base/b.cpp": HEAD + text + "\n"}, ("src/base/b.cpp:3: ",))
+                  for text in ("std::cout << 1;", 'printf("");', "#include <iostream>", "std::abort();", "assert(x);")]
+        cases += [({"docs/a.md": f"\n{link}\n"}, ("docs/a.md:2: link ",))
+                  for link in ("[a](no.md)", "![a](no.svg)", "[a]: no.md", '<img src="no.png">', "[a](#no)", "[a](../../etc)")]
+        for more, starts in cases:
+            with self.subTest(starts=starts, more=more):
+                self.assert_faulty(check_text.check, self.SHORT | more, *starts)
 
 
 class Text(Repository):

@@ -23,8 +23,8 @@ using TriangleId = std::uint32_t;
 /// Stands where an id is asked for and none exists.
 inline constexpr std::uint32_t no_id = 0xffff'ffffU;
 
-// Containers have other sizes with _GLIBCXX_DEBUG, which no symbol tells. Each program refers to that of these two constants
-// that it was compiled for, and the library has one of them: where they disagree, linking fails by that name.
+// Containers have other sizes with _GLIBCXX_DEBUG, which no symbol tells. Each program refers to that of these two
+// constants that it was compiled for, and the library has one of them: where they disagree, linking fails by that name.
 #if defined(__GLIBCXX__) && defined(__ELF__)
 #ifdef _GLIBCXX_DEBUG
 #define LIMBER_LAYOUT compiled_with_GLIBCXX_DEBUG

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The headers compile where min and max are macros, as <windows.h> makes them. Those of the standard library come first:
-// libstdc++ undefines both macros.
+// The headers compile where min and max are macros, as <windows.h> makes them. Those of the standard library come
+// first: libstdc++ undefines both macros.
 #include <algorithm>
 #include <array>
 #include <atomic>

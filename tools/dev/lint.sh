@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: lint             formatting, clang-tidy, layers, sizes, references, licenses, shell scripts
+#: lint             formatting, clang-tidy, layers, texts and references, licenses, shell scripts
 #: lint --deep      with Clang's static analyzer, and every source by itself; long
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -56,8 +56,7 @@ failed=()
 export PYTHONDONTWRITEBYTECODE=1
 lint_step tools python3 tools/test_tools.py
 lint_step layers python3 tools/check_layers.py
-lint_step sizes python3 tools/check_sizes.py
-lint_step references python3 tools/check_refs.py
+lint_step text python3 tools/check_text.py
 lint_step licenses check_licenses
 lint_step scripts check_scripts
 lint_step format check_format

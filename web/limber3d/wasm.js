@@ -94,7 +94,8 @@ async function instantiate(source = new URL("./limber.wasm", import.meta.url)) {
   }
   // Servers of development answer with a page where there is no file.
   if (type?.startsWith("text/html")) {
-    throw new LimberError("unreadableFile", `${url}: a page of HTML, no WebAssembly; init(source) tells where limber.wasm is`);
+    const hint = "a page of HTML, no WebAssembly; init(source) tells where limber.wasm is";
+    throw new LimberError("unreadableFile", `${url}: ${hint}`);
   }
   return (await WebAssembly.instantiate(await response.arrayBuffer(), imports)).instance;
 }
