@@ -8,7 +8,7 @@ source "$root/tools/dev/roots.sh"
 
 folder=$artefacts/npm
 
-pack() {
+make_archive() {
   local file listed
   rm -rf -- "$folder"
   build_package
@@ -29,6 +29,6 @@ try() {
   say "the JavaScript package answers on Debian $1"
 }
 
-pack
+make_archive
 if [[ ${1:-} != --build ]]; then try bookworm; fi
 say "the package is in ${folder#"$root/"}: $(cd -- "$folder" && echo *.tgz)"
