@@ -4,10 +4,8 @@
 
 #: pages            build the viewer, the page of `limber distance --report`, `limber track --report` and `limber demo`,
 #:                  from web/pages, with npm
-#: pages live       compile the engine to WebAssembly and build the live page with it: build/limber-live.html
-#: pages --check    type-check the sources of both, and compare the committed viewer with what its sources give
+#: pages --check    type-check the sources, and compare the committed viewer with what its sources give
 #: pages test       test pages that the program writes, in a headless browser
-#: pages test live  build the live page and test it, in a headless browser
 #: pages pictures   make the pictures of these pages in the README and in docs/guide
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -28,16 +26,10 @@ run_script() {
   (cd -- "$root/web/pages" && npm run --silent "$1" </dev/null)
 }
 
-live_page() {
-  compile_web
-  run_script live
-}
-
 script=${*:-build}
 case $script in
   build | --check) run_script "${script#--}" ;;
-  live) live_page ;;
-  test | 'test live' | pictures)
+  test | pictures)
     need_for_tests pages_tests
     # Pages of pictures show times; those of tests come from the program that the tests have built.
     preset=checked
@@ -45,11 +37,10 @@ case $script in
       preset=release
       need pictures
     fi
-    if [[ $script != test ]]; then live_page; fi
     configure "$preset"
     build "$preset" --target limber_program
     export LIMBER_PROGRAM=$root/build/$preset/apps/limber/limber
-    run_script "${script/ /-}"
+    run_script "$script"
     ;;
   *) die "pages has no '$script'; see ./dev help" ;;
 esac

@@ -1,42 +1,20 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Builds pages of one file each, with everything inside. Without an argument it builds the viewer that the program is
-// compiled with, apps/limber/pages/viewer.html, which is committed. With --check it writes nothing, and fails where the
-// committed page is not what the sources give. With --live it builds the live page, build/limber-live.html, around the
-// engine in build/web.
+// Builds the page that the program is compiled with, one file with everything inside: apps/limber/pages/viewer.html,
+// which is committed. With --check it writes nothing, and fails where the committed page is not what the sources give.
 import { createHash } from 'node:crypto';
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { gzipSync } from 'node:zlib';
 import { build, transform } from 'esbuild-wasm';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const read = (path) => readFileSync(join(here, path), 'utf8');
 const sha256 = (content) => createHash('sha256').update(content).digest('hex');
 
-/** The viewer. The program puts its data where the placeholder is: see apps/limber/reports/page_template.cpp. */
-const viewer = () => ({
-  path: join(here, '../../apps/limber/pages/viewer.html'),
-  title: 'limber',
-  folder: 'viewer',
-  sheets: ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'viewer/page.css'],
-  head: `<meta name="limber-sources" content="${digestOfSources()}">\n`,
-  content: '<script type="application/json" id="data">"data of the page"</script>',
-  notices: [],
-});
-
-/** The live page, with the engine packed inside. */
-const live = () => ({
-  path: join(here, '../../build/limber-live.html'),
-  title: 'limber live',
-  folder: 'live',
-  sheets: ['shared/page.css', 'live/page.css'],
-  head: '',
-  content: `<script type="text/plain" id="engine-module">${packedEngine()}</script>`,
-  notices: [['limber.wasm', '../NOTICES.txt']],
-});
+const target = join(here, '../../apps/limber/pages/viewer.html');
+const sheets = ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'viewer/page.css'];
 
 /** The digest of all that the viewer is made of; tests/program/check_pages.cmake computes it too, without npm. */
 function digestOfSources() {
@@ -52,11 +30,6 @@ function digestOfSources() {
     );
   const lines = names.sort().map((name) => `${sha256(readFileSync(join(here, name)))} ${name}\n`);
   return sha256(lines.join(''));
-}
-
-function packedEngine() {
-  const engine = readFileSync(join(here, '../../build/web/limber3d/limber.wasm'));
-  return gzipSync(engine, { level: 9 }).toString('base64');
 }
 
 /**
@@ -77,18 +50,19 @@ const withoutShaders = {
 };
 
 /** The licenses of limber and of all that a page has inside, in the words of their owners. */
-function noticesOf(inputs, more) {
+function noticesOf(inputs) {
   const packages = new Set(inputs.map((path) => /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(path)?.[1]));
   packages.delete(undefined);
   const libraries = [...packages].sort().map((library) => [library, `node_modules/${library}/LICENSE`]);
-  return [['limber', '../../LICENSE'], ...libraries, ...more]
+  return [['limber', '../../LICENSE'], ...libraries]
     .map(([title, path]) => `=== ${title} ===\n\n${read(path).trim()}\n`)
     .join('\n');
 }
 
-async function built({ title, folder, sheets, head, content, notices }) {
+/** The page. The program puts its data where the placeholder is: see apps/limber/reports/page_template.cpp. */
+async function built() {
   const bundle = await build({
-    entryPoints: [join(here, folder, 'main.ts')],
+    entryPoints: [join(here, 'viewer/main.ts')],
     bundle: true,
     plugins: [withoutShaders],
     minify: true,
@@ -99,7 +73,6 @@ async function built({ title, folder, sheets, head, content, notices }) {
     metafile: true,
     write: false,
     logLevel: 'warning',
-    logOverride: { 'empty-import-meta': 'silent' },
   });
   const style = await transform(sheets.map(read).join('\n'), {
     loader: 'css',
@@ -113,26 +86,26 @@ async function built({ title, folder, sheets, head, content, notices }) {
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
-${head}<title>${title}</title>
+<meta name="limber-sources" content="${digestOfSources()}">
+<title>limber</title>
 <link rel="icon" href="data:,">
 <style>${style.code.trim()}</style>
 </head>
-${read(`${folder}/page.html`).trim()}
-${content}
+${read('viewer/page.html').trim()}
+<script type="application/json" id="data">"data of the page"</script>
 <script>${bundle.outputFiles[0].text.trim()}</script>
 <script type="text/plain" id="notices">
-${noticesOf([...sheets, ...Object.keys(bundle.metafile.inputs)], notices)}</script>
+${noticesOf([...sheets, ...Object.keys(bundle.metafile.inputs)])}</script>
 </body>
 </html>
 `;
 }
 
-const page = process.argv.includes('--live') ? live() : viewer();
-const html = await built(page);
+const html = await built();
 if (!process.argv.includes('--check')) {
-  writeFileSync(page.path, html);
-  console.log(`${page.path}: ${html.length} bytes`);
-} else if (readFileSync(page.path, 'utf8') !== html) {
-  console.error(`${page.path} is not what web/pages gives; run ./dev pages`);
+  writeFileSync(target, html);
+  console.log(`${target}: ${html.length} bytes`);
+} else if (readFileSync(target, 'utf8') !== html) {
+  console.error(`${target} is not what web/pages gives; run ./dev pages`);
   process.exitCode = 1;
 }

@@ -13,9 +13,6 @@ import { chromium } from 'playwright-core';
 
 export const pages = join(dirname(fileURLToPath(import.meta.url)), '..');
 
-/** The live page, which ./dev pages live has built. */
-export const livePage = join(pages, '../../build/limber-live.html');
-
 /** A module of the pages, ready to be used. */
 export async function module(path) {
   const bundle = await build({ entryPoints: [join(pages, path)], bundle: true, format: 'esm', write: false });
