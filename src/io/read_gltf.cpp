@@ -117,7 +117,8 @@ Soup read(std::string_view file, const BufferSource& external) {
   for (const MeshInstance& instance : scene.instances) {
     const GltfMesh& mesh = meshes.mesh(instance);
     const std::size_t shown_count = meshes.shown_count(instance.node);
-    element_count += static_cast<double>(shown_count) * meshes.element_count(instance);
+    const double own_count = shown_count == 1 ? 0 : 4;  // an instance has a transform and a name
+    element_count += static_cast<double>(shown_count) * (own_count + meshes.element_count(instance));
     check_total(element_count, file.size() + buffers.file_bytes(), mesh, instance.node);
     vertex_count += shown_count * mesh.vertex_count;
     triangle_count += shown_count * mesh.triangle_count;
