@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/gltf_json.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -9,35 +10,6 @@
 
 namespace limber::io {
 namespace {
-
-/// Refuses a description beyond the limits before anything is built of it. Returns how many properties it has.
-std::size_t scan(std::string_view text) {
-  std::size_t depth = 0, value_count = 1, property_count = 0;
-  bool is_in_string = false;
-  const auto refuse = [](std::string_view what, std::size_t limit, std::string_view unit) {
-    throw BadResult({ErrorCode::too_large,
-                     "has a JSON description " + std::string(what) + " " + std::to_string(limit) + std::string(unit),
-                     {}});
-  };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '"') is_in_string = !is_in_string;
-    if (is_in_string) {
-      if (c == '\\') ++i;  // whatever it stands before
-      continue;
-    }
-    const bool opens = c == '[' || c == '{';
-    if (opens) ++depth;
-    if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (opens || c == ',') ++value_count;
-    if (c == ':') ++property_count;
-    if (depth > mesh_file_limits::gltf_json_depth)
-      refuse("nested deeper than", mesh_file_limits::gltf_json_depth, " levels");
-    if (value_count > mesh_file_limits::gltf_json_values)
-      refuse("of more than", mesh_file_limits::gltf_json_values, " values");
-  }
-  return property_count;
-}
 
 /// Recursion is bounded by `mesh_file_limits::gltf_json_depth`.
 std::size_t count_properties(const Json& json) {
@@ -49,7 +21,29 @@ std::size_t count_properties(const Json& json) {
 }  // namespace
 
 Json parse_json(std::string_view text) {
-  const std::size_t property_count = scan(text);
+  // The limits are checked before anything is built.
+  std::size_t depth = 0, largest_depth = 0, value_count = 1, property_count = 0;
+  bool is_in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') is_in_string = !is_in_string;
+    if (is_in_string) {
+      i += c == '\\' ? 1 : 0;  // whatever it stands before
+      continue;
+    }
+    const bool opens = c == '[' || c == '{', closes = c == ']' || c == '}';
+    if (closes && depth > 0) --depth;
+    if (opens) largest_depth = std::max(largest_depth, ++depth);
+    if (opens || c == ',') ++value_count;
+    if (c == ':') ++property_count;
+  }
+  const auto refuse_above = [](std::size_t limit, std::size_t count, const char* what) {
+    if (count <= limit) return;
+    throw BadResult({ErrorCode::too_large, "has a JSON description of more than " + std::to_string(limit) + what, {}});
+  };
+  refuse_above(mesh_file_limits::gltf_json_depth, largest_depth, " levels");
+  refuse_above(mesh_file_limits::gltf_json_values, value_count, " values");
+
   Json json;
   try {
     json = Json::parse(text.begin(), text.end());

@@ -161,12 +161,15 @@ double GltfMeshes::element_count(const MeshInstance& shown) {
     const auto read_count = static_cast<double>(1 + (is_skinned ? 2 * vertices.influences.size() : 0));
     count += read_count * static_cast<double>(vertices.positions.count);
   }
-  if (is_skinned) count += 8 * static_cast<double>(skin(shown.node).list("joints").size());
+  if (is_skinned) {
+    const JsonItem skin = description_.item("skins", shown.node.whole("skin"), "skin", shown.node);
+    count += 8 * static_cast<double>(skin.list("joints").size());
+  }
   return std::max(count, 1.0);
 }
 
 std::vector<AffineMap> GltfMeshes::joint_maps(const JsonItem& node, const GltfScene& scene) {
-  const JsonItem skin = this->skin(node);
+  const JsonItem skin = description_.item("skins", node.whole("skin"), "skin", node);
   std::vector<AffineMap> maps;
   for (const Json& entry : skin.list("joints")) {
     const std::uint64_t joint = whole_entry(entry, skin, "joints");

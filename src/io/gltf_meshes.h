@@ -75,8 +75,6 @@ class GltfMeshes {
   void add(const JsonItem& primitive, GltfMesh& mesh,
            std::map<std::vector<std::uint64_t>, std::size_t>& known_vertices);
   Instancing instancing(const JsonItem& node);
-  /// The skin that a node shows its mesh with.
-  JsonItem skin(const JsonItem& node) const { return description_.item("skins", node.whole("skin"), "skin", node); }
   std::vector<AffineMap> joint_maps(const JsonItem& node, const GltfScene& scene);
   void append(Soup& soup, const GltfMesh& mesh, const JsonItem& node, const std::vector<AffineMap>& maps);
   /// Returns the orientation of each vertex's map.
