@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -40,11 +41,39 @@ inline constexpr std::uint64_t gltf_elements_per_byte = 2;
 
 }  // namespace mesh_file_limits
 
+/// Which vertices of a file become one vertex of the mesh.
+struct ReadOptions {
+  /// Vertices at equal positions become one. Without it the mesh has the file's own vertices, in the file's order.
+  bool weld = true;
+
+  /// Vertices this far apart become one, too: in the file's order, each vertex joins the first mesh vertex that is not
+  /// farther away, and otherwise becomes a mesh vertex itself. So none moves farther than this. Triangles whose corners
+  /// become one stay, without area.
+  double weld_tolerance = 0;
+
+  /// Vertices of different parts stay apart. A vertex belongs to the part of the first face that names it; vertices that
+  /// parts share in the file itself, as groups of an OBJ file may, stay shared.
+  bool parts = false;
+};
+
 /// A mesh as a file describes it.
 struct MeshFile {
   Mesh mesh;                                    ///< triangulated and welded; positions in order of first appearance
   std::vector<std::uint32_t> face_of_triangle;  ///< the file's own face, counted from 0, behind each triangle
   std::size_t face_count = 0;                   ///< faces in the file
+
+  /// The mesh vertex that each vertex of the file has become. An STL file has three vertices a facet, a glTF file those
+  /// of each node's mesh, node by node.
+  std::vector<VertexId> vertex_of_file_vertex;
+
+  /// Names of the parts with faces, in order of appearance: objects of an OBJ file, or its groups where it has no
+  /// objects; solids of an STL text; nodes of a glTF scene. Names may be empty and need not differ. A file without
+  /// parts, or one of another format, is one part without a name.
+  std::vector<std::string> parts;
+  std::vector<std::uint32_t> part_of_triangle;  ///< in `parts`
+
+  /// Every file that was read: the mesh file, then the buffer files that a glTF file names. Empty for bytes in memory.
+  std::vector<std::filesystem::path> files;
 };
 
 /// Reads a file.
@@ -53,39 +82,56 @@ struct MeshFile {
 ///          `unsupported_format` (the extension, or a glTF extension), `malformed_file` (truncated, not a mesh),
 ///          `empty_mesh` (no face of three corners), `too_large` (beyond `mesh_file_limits`), `non_finite`, `too_large`
 ///          or `index_out_of_range` with the file's vertex or face.
-/// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown).
-LIMBER_API Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
+/// Throws   If the tolerance is not finite or below 0.
+/// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown). A tolerance sorts
+///          the vertices.
+LIMBER_API Result<MeshFile> read_mesh_file(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a file that is in memory. `name` tells the format by its extension, and is what messages call the file.
 ///
 /// Errors   As read_mesh_file(). glTF files that name buffer files are malformed.
-LIMBER_API Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const std::filesystem::path& name);
+LIMBER_API Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const std::filesystem::path& name,
+                                            const ReadOptions& options = {});
 
 /// The mesh of a file alone.
-LIMBER_API Result<Mesh> load_mesh(const std::filesystem::path& path);
+LIMBER_API Result<Mesh> load_mesh(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Frames of one deforming mesh: files with the same vertex count and the same faces, positions differing.
 ///
-/// Vertices are welded by the first frame's positions, and every later frame by the same map, so vertex and triangle
-/// ids mean the same in every frame even where moving vertices meet or part.
+/// Vertex and triangle ids mean the same in every frame: all frames are welded alike, and split into the triangles of
+/// the first. Vertices are welded only if they are together in every frame, so those that meet stay two and those that
+/// part are two from the start.
 class MeshSequence {
  public:
-  /// Reads the first frame. Errors as read_mesh_file().
-  LIMBER_API static Result<MeshSequence> open(const std::filesystem::path& first_frame);
+  /// Reads all frames, one at a time, and welds the vertices that are together in each of them. Where nothing is welded
+  /// in the first frame, it alone is read.
+  ///
+  /// Errors   As read_positions().
+  /// Throws   If there is no frame; as read_mesh_file().
+  LIMBER_API static Result<MeshSequence> open(std::span<const std::filesystem::path> frames,
+                                              const ReadOptions& options = {});
+
+  /// Reads the first frame, and welds the vertices that are together in it. Frames in which they part are refused when
+  /// they are read.
+  ///
+  /// Errors, Throws   As read_mesh_file().
+  LIMBER_API static Result<MeshSequence> open(const std::filesystem::path& first_frame,
+                                              const ReadOptions& options = {});
 
   const MeshFile& first() const { return first_; }
 
   /// Reads frame number `frame` (only used in messages) and returns the positions of the welded vertices.
   ///
   /// Errors   As read_mesh_file(), and `changed_connectivity` naming the frame number with both vertex counts and both
-  ///          face counts, or, where counts agree, the first face that differs. `where` is the frame number.
+  ///          face counts, or, where counts agree, the first face that differs, or two vertices that are welded but
+  ///          apart in this frame. `where` is the frame number.
   LIMBER_API Result<std::vector<Vec3>> read_positions(const std::filesystem::path& path, std::size_t frame) const;
 
  private:
   explicit MeshSequence(MeshFile first) : first_(std::move(first)) {}
 
   MeshFile first_;
-  std::size_t file_vertex_count_ = 0;
+  double weld_tolerance_ = 0;
   std::vector<std::uint32_t> file_corners_;  // of all faces one after the other, as in the file, before welding
   std::vector<std::size_t> file_face_ends_;  // where each face ends in `file_corners_`
   std::vector<VertexId> file_vertex_of_;     // the first file vertex for each welded vertex

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "io/gltf_buffers.h"
-#include "limber/math.h"
 
 namespace limber::io {
 
@@ -20,11 +19,37 @@ struct GltfElements {
   bool is_present = false;  ///< otherwise all elements are zero
 };
 
+/// What the elements of an accessor must be. A set of component types has bit i for the type 5120 + i.
+struct GltfElementKind {
+  const char* what;  ///< in messages
+  std::string_view type;
+  std::size_t component_count;
+  unsigned plain_types, normalized_types;
+  bool may_have_stride;
+};
+
+namespace gltf_kinds {
+inline constexpr unsigned bytes = 1, unsigned_bytes = 2, shorts = 4, unsigned_shorts = 8, unsigned_ints = 32,
+                          floats = 64;
+inline constexpr unsigned quantized = bytes | unsigned_bytes | shorts | unsigned_shorts;  // KHR_mesh_quantization
+
+inline constexpr GltfElementKind positions = {"positions", "VEC3", 3, quantized | floats, quantized, true};
+inline constexpr GltfElementKind indices = {"indices", "SCALAR", 1, unsigned_bytes | unsigned_shorts | unsigned_ints,
+                                            0,         false};
+inline constexpr GltfElementKind joints = {"joints", "VEC4", 4, unsigned_bytes | unsigned_shorts, 0, true};
+inline constexpr GltfElementKind weights = {"weights", "VEC4", 4, floats, unsigned_bytes | unsigned_shorts, true};
+inline constexpr GltfElementKind matrices = {"matrices", "MAT4", 16, floats, 0, true};
+inline constexpr GltfElementKind vectors = {"vectors", "VEC3", 3, floats, 0, true};
+inline constexpr GltfElementKind rotations = {"rotations", "VEC4", 4, floats, bytes | shorts, true};
+}  // namespace gltf_kinds
+
 /// A checked accessor: every element it names lies in its buffer view.
 struct GltfAccessor {
   std::string name;
   std::size_t count = 0;
-  std::size_t component_bytes = 0;
+  std::size_t component_count = 0, component_bytes = 0;
+  std::uint64_t component_type = 0;
+  bool is_normalized = false;
   GltfElements elements;
 
   // Elements that stand in for those of the list above.
@@ -38,22 +63,9 @@ class GltfAccessors {
  public:
   GltfAccessors(const JsonItem& description, GltfBuffers& buffers) : description_(description), buffers_(buffers) {}
 
-  /// Three float32 each.
-  GltfAccessor positions(std::uint64_t index, const JsonItem& user) { return check(index, user, Kind::position); }
-  /// Unsigned integers of 8, 16 or 32 bits.
-  GltfAccessor indices(std::uint64_t index, const JsonItem& user) { return check(index, user, Kind::index); }
+  GltfAccessor check(std::uint64_t index, const JsonItem& user, const GltfElementKind& kind);
 
  private:
-  enum class Kind { position, index };
-  struct View {
-    std::string name;
-    std::string_view bytes;
-    std::uint64_t offset = 0;  // in its buffer
-    std::size_t stride = 0;    // 0: not given
-  };
-
-  GltfAccessor check(std::uint64_t index, const JsonItem& user, Kind kind);
-  View view(const JsonItem& user);
   /// `count` elements of `element_bytes`, aligned to `component_bytes`, from the item's `byteOffset` on.
   GltfElements elements(const JsonItem& item, std::uint64_t count, std::size_t element_bytes,
                         std::size_t component_bytes, bool may_have_stride);
@@ -63,10 +75,7 @@ class GltfAccessors {
   GltfBuffers& buffers_;
 };
 
-/// Reads what GltfAccessors::positions() has checked.
-std::vector<Vec3> read_positions(const GltfAccessor& accessor);
-
-/// Reads what GltfAccessors::indices() has checked.
-std::vector<std::uint32_t> read_indices(const GltfAccessor& accessor);
+/// The components of all elements, one element after the other.
+std::vector<double> read_numbers(const GltfAccessor& accessor);
 
 }  // namespace limber::io

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <utility>
 
 namespace limber::io {
@@ -40,25 +41,18 @@ std::optional<std::string> decoded_base64(std::string_view text) {
   return bytes;
 }
 
-std::optional<unsigned> hexadecimal_digit(char c) {
-  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
-  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
-  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
-  return {};
-}
-
 /// Replaces %20 and the like (RFC 3986, section 2.1); none when a percent sign starts no two digits.
 std::optional<std::string> percent_decoded(std::string_view uri) {
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] != '%') {
-      text += uri[i];
-      continue;
+    text += uri[i];
+    if (uri[i] != '%') continue;
+    const std::string_view digits = uri.substr(i + 1, 2);
+    unsigned value = 0;
+    if (digits.size() < 2 || std::from_chars(digits.data(), digits.data() + 2, value, 16).ptr != digits.data() + 2) {
+      return {};
     }
-    if (i + 2 >= uri.size()) return {};
-    const auto high = hexadecimal_digit(uri[i + 1]), low = hexadecimal_digit(uri[i + 2]);
-    if (!high || !low) return {};
-    text += static_cast<char>(*high << 4U | *low);
+    text.back() = static_cast<char>(value);
     i += 2;
   }
   return text;

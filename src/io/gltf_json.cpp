@@ -2,109 +2,60 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/gltf_json.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
 #include "limber/io.h"
 
 namespace limber::io {
 namespace {
 
-/// Builds the tree of values while the parser, which does not recurse, reports them one by one.
-class Builder : public nlohmann::json_sax<Json> {
- public:
-  Builder() noexcept(false) = default;
-  Builder(const Builder&) = delete;  // it points into itself
-  Builder& operator=(const Builder&) = delete;
-
-  Json take() { return std::move(root_); }
-  const std::optional<Error>& error() const { return error_; }
-
-  bool null() override { return add(nullptr); }
-  bool boolean(bool value) override { return add(value); }
-  bool number_integer(number_integer_t value) override { return add(value); }
-  bool number_unsigned(number_unsigned_t value) override { return add(value); }
-  bool number_float(number_float_t value, const string_t& /*text*/) override { return add(value); }
-  bool string(string_t& value) override { return add(std::move(value)); }
-  bool binary(binary_t& /*value*/) override { return fail(malformed("is not JSON")); }
-  bool start_object(std::size_t /*size*/) override { return open(Json::object()); }
-  bool start_array(std::size_t /*size*/) override { return open(Json::array()); }
-  bool end_object() override { return close(); }
-  bool end_array() override { return close(); }
-
-  bool key(string_t& name) override {
-    LIMBER_ASSERT(!open_.empty() && open_.back()->is_object());
-    const auto [entry, is_new] = open_.back()->emplace(name, nullptr);
-    if (!is_new) return fail(malformed("has an object with two properties " + in_quotes(name)));
-    named_ = &*entry;
-    return true;
-  }
-
-  bool parse_error(std::size_t position, const std::string& /*token*/, const Json::exception& /*why*/) override {
-    return fail(malformed("is not valid JSON at byte " + std::to_string(position) + " of its description"));
-  }
-
- private:
-  bool fail(Error error) {
-    error_ = std::move(error);
-    return false;
-  }
-
-  /// Adds a value to the innermost open list or object. Pointers to outer ones stay valid, since only that one grows.
-  bool add(Json value) {
-    if (++value_count_ > mesh_file_limits::gltf_json_values) {
-      return fail(
-          {ErrorCode::too_large,
-           "has a JSON description of more than " + std::to_string(mesh_file_limits::gltf_json_values) + " values",
-           {}});
-    }
-    if (open_.empty()) {
-      root_ = std::move(value);
-      latest_ = &root_;
-    } else if (open_.back()->is_array()) {
-      open_.back()->push_back(std::move(value));
-      latest_ = &open_.back()->back();
-    } else {
-      *named_ = std::move(value);
-      latest_ = named_;
-    }
-    return true;
-  }
-
-  bool open(Json value) {
-    if (open_.size() >= mesh_file_limits::gltf_json_depth) {
-      return fail(
-          {ErrorCode::too_large,
-           "has a JSON description nested deeper than " + std::to_string(mesh_file_limits::gltf_json_depth) + " levels",
-           {}});
-    }
-    if (!add(std::move(value))) return false;
-    open_.push_back(latest_);
-    return true;
-  }
-
-  bool close() {
-    LIMBER_ASSERT(!open_.empty());
-    open_.pop_back();
-    return true;
-  }
-
-  Json root_;
-  std::vector<Json*> open_;  // lists and objects that have not ended, outermost first
-  Json* named_ = nullptr;    // the value of the property whose name came last
-  Json* latest_ = nullptr;
-  std::size_t value_count_ = 0;
-  std::optional<Error> error_;
-};
+/// Recursion is bounded by `mesh_file_limits::gltf_json_depth`.
+std::size_t count_properties(const Json& json) {
+  std::size_t count = json.is_object() ? json.size() : 0;
+  for (const Json& value : json) count += value.is_structured() ? count_properties(value) : 0;
+  return count;
+}
 
 }  // namespace
 
 Json parse_json(std::string_view text) {
-  Builder builder;
-  Json::sax_parse(text.begin(), text.end(), &builder);
-  if (builder.error()) throw BadResult(*builder.error());
-  return builder.take();
+  // The limits are checked before anything is built.
+  std::size_t depth = 0, largest_depth = 0, value_count = 1, property_count = 0;
+  bool is_in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') is_in_string = !is_in_string;
+    if (is_in_string) {
+      i += c == '\\' ? 1 : 0;  // whatever it stands before
+      continue;
+    }
+    const bool opens = c == '[' || c == '{', closes = c == ']' || c == '}';
+    if (closes && depth > 0) --depth;
+    if (opens) largest_depth = std::max(largest_depth, ++depth);
+    if (opens || c == ',') ++value_count;
+    if (c == ':') ++property_count;
+  }
+  const auto refuse_above = [](std::size_t limit, std::size_t count, const char* what) {
+    if (count <= limit) return;
+    throw BadResult({ErrorCode::too_large, "has a JSON description of more than " + std::to_string(limit) + what, {}});
+  };
+  refuse_above(mesh_file_limits::gltf_json_depth, largest_depth, " levels");
+  refuse_above(mesh_file_limits::gltf_json_values, value_count, " values");
+
+  Json json;
+  try {
+    json = Json::parse(text.begin(), text.end());
+  } catch (const Json::parse_error& error) {
+    throw BadResult(malformed("is not valid JSON at byte " + std::to_string(error.byte) + " of its description"));
+  } catch (const Json::exception&) {
+    throw BadResult(malformed("has a number in its JSON description that float64 cannot hold"));
+  }
+  if (count_properties(json) != property_count) {
+    throw BadResult(malformed("has an object with two properties of one name in its JSON description"));
+  }
+  return json;
 }
 
 JsonItem::JsonItem(const Json& json, std::string name) : json_(&json), name_(std::move(name)) {
@@ -126,16 +77,30 @@ std::uint64_t JsonItem::whole(const char* key, std::optional<std::uint64_t> othe
   return whole_entry(at(key), *this, key);
 }
 
-std::string_view JsonItem::text(const char* key) const {
+std::string_view JsonItem::text(const char* key, std::optional<std::string_view> otherwise) const {
+  if (otherwise && !has(key)) return *otherwise;
   const Json& value = at(key);
   if (!value.is_string()) refuse(std::string(key) + " is not a string");
   return value.get_ref<const std::string&>();
 }
 
-bool JsonItem::flag(const char* key) const {
-  if (!has(key)) return false;
+bool JsonItem::flag(const char* key, bool otherwise) const {
+  if (!has(key)) return otherwise;
   if (!at(key).is_boolean()) refuse(std::string(key) + " is neither true nor false");
   return at(key).get<bool>();
+}
+
+std::vector<double> JsonItem::numbers(const char* key, std::optional<std::size_t> count,
+                                      std::vector<double> otherwise) const {
+  if (!has(key)) return otherwise;
+  std::vector<double> values;
+  for (const Json& entry : list(key)) {
+    if (!entry.is_number()) refuse(std::string(key) + " holds something that is not a number");
+    values.push_back(entry.get<double>());
+  }
+  if (count && values.size() != *count)
+    refuse(std::string(key) + " does not have " + std::to_string(*count) + " numbers");
+  return values;
 }
 
 const Json::array_t& JsonItem::list(const char* key) const {
@@ -146,6 +111,12 @@ const Json::array_t& JsonItem::list(const char* key) const {
 }
 
 JsonItem JsonItem::item(const char* key) const { return {at(key), name_.empty() ? key : name_ + " " + key}; }
+
+std::optional<JsonItem> JsonItem::extension(const char* name) const {
+  if (!has("extensions")) return {};
+  const JsonItem extensions = item("extensions");
+  return extensions.has(name) ? std::optional(extensions.item(name)) : std::nullopt;
+}
 
 JsonItem JsonItem::item(const char* key, std::uint64_t index, const char* kind, const JsonItem& user) const {
   const Json::array_t& entries = list(key);

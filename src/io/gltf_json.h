@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/soup.h"
 
@@ -20,7 +20,7 @@ namespace limber::io {
 
 using Json = nlohmann::json;
 
-/// Parses a description without recursion.
+/// Parses a description.
 ///
 /// Errors   `malformed_file` for what is not JSON and for names that an object has twice; `too_large` beyond
 ///          `mesh_file_limits::gltf_json_depth` or `gltf_json_values`.
@@ -37,14 +37,17 @@ class JsonItem {
 
   /// A whole number >= 0; without a default it must be there.
   std::uint64_t whole(const char* key, std::optional<std::uint64_t> otherwise = {}) const;
-  std::string_view text(const char* key) const;
-  bool flag(const char* key) const;
-  /// `n` numbers, or none when the property is missing.
-  template <std::size_t n>
-  std::optional<std::array<double, n>> numbers(const char* key) const;
+  std::string_view text(const char* key, std::optional<std::string_view> otherwise = {}) const;
+  bool flag(const char* key, bool otherwise = false) const;
+  /// The numbers of a list, `otherwise` when the property is missing.
+  ///
+  /// Errors   `malformed_file` unless there are `count`, where that is given.
+  std::vector<double> numbers(const char* key, std::optional<std::size_t> count = {},
+                              std::vector<double> otherwise = {}) const;
   /// The entries of a list, none when the property is missing.
   const Json::array_t& list(const char* key) const;
   JsonItem item(const char* key) const;
+  std::optional<JsonItem> extension(const char* name) const;
   /// Entry `index` of a list of objects, named `kind` and index.
   JsonItem item(const char* key, std::uint64_t index, const char* kind, const JsonItem& user) const;
 
@@ -59,18 +62,5 @@ class JsonItem {
 
 /// A whole number >= 0 that stands in a list of `user`.
 std::uint64_t whole_entry(const Json& entry, const JsonItem& user, const char* key);
-
-template <std::size_t n>
-std::optional<std::array<double, n>> JsonItem::numbers(const char* key) const {
-  if (!has(key)) return {};
-  const Json::array_t& entries = list(key);
-  if (entries.size() != n) refuse(std::string(key) + " does not have " + std::to_string(n) + " numbers");
-  std::array<double, n> values{};
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!entries[i].is_number()) refuse(std::string(key) + " holds something that is not a number");
-    values[i] = entries[i].get<double>();
-  }
-  return values;
-}
 
 }  // namespace limber::io

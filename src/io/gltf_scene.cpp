@@ -6,38 +6,20 @@
 #include <string>
 #include <utility>
 
+#include "limber/geometry.h"
+
 namespace limber::io {
 namespace {
 
-AffineMap operator*(const AffineMap& a_from_b, const AffineMap& b_from_c) {
-  return {a_from_b.linear * b_from_c.linear, a_from_b(b_from_c.translation)};
-}
-
-/// A rotation by a quaternion x, y, z, w of any length but zero.
-Mat3 rotation(const std::array<double, 4>& q, const JsonItem& node) {
-  const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-  if (!(norm > 0) || !std::isfinite(norm)) node.refuse("its rotation is not a quaternion of finite length above 0");
-  const double x = q[0] / norm, y = q[1] / norm, z = q[2] / norm, w = q[3] / norm;
-  return {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-          {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-          {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
-}
-
 AffineMap parent_from_node(const JsonItem& node) {
-  if (const auto m = node.numbers<16>("matrix")) {  // by columns
-    if (node.has("translation") || node.has("rotation") || node.has("scale")) {
-      node.refuse("has both a matrix and a translation, rotation or scale");
-    }
-    const auto& n = *m;
-    if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] != 1) node.refuse("the last row of its matrix is not 0 0 0 1");
-    return {{{n[0], n[4], n[8]}, {n[1], n[5], n[9]}, {n[2], n[6], n[10]}}, {n[12], n[13], n[14]}};
+  if (!node.has("matrix")) {
+    return map_of_parts(node.numbers("translation", 3, {0, 0, 0}), node.numbers("rotation", 4, {0, 0, 0, 1}),
+                        node.numbers("scale", 3, {1, 1, 1}), node);
   }
-  const auto t = node.numbers<3>("translation").value_or(std::array<double, 3>{0, 0, 0});
-  const auto q = node.numbers<4>("rotation").value_or(std::array<double, 4>{0, 0, 0, 1});
-  const auto s = node.numbers<3>("scale").value_or(std::array<double, 3>{1, 1, 1});
-  const Mat3 turn = rotation(q, node);
-  const auto scaled = [&](const Vec3& row) { return Vec3{row.x * s[0], row.y * s[1], row.z * s[2]}; };
-  return {{scaled(turn.row0), scaled(turn.row1), scaled(turn.row2)}, {t[0], t[1], t[2]}};
+  if (node.has("translation") || node.has("rotation") || node.has("scale")) {
+    node.refuse("has both a matrix and a translation, rotation or scale");
+  }
+  return map_of_matrix(node.numbers("matrix", 16), node);
 }
 
 /// The nodes of a file and their parents.
@@ -95,7 +77,35 @@ class Nodes {
 
 }  // namespace
 
-std::vector<MeshInstance> mesh_instances(const JsonItem& description) {
+AffineMap operator*(const AffineMap& a_from_b, const AffineMap& b_from_c) {
+  return {a_from_b.linear * b_from_c.linear, a_from_b(b_from_c.translation),
+          a_from_b.orientation * b_from_c.orientation};
+}
+
+AffineMap map_of_matrix(std::span<const double> m, const JsonItem& user) {
+  const Mat3 linear = {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
+  if (!is_finite(linear.row0) || !is_finite(linear.row1) || !is_finite(linear.row2)) {
+    user.refuse("has a matrix that is not finite");
+  }
+  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) user.refuse("the last row of its matrix is not 0 0 0 1");
+  return {linear, {m[12], m[13], m[14]}, orient3d({}, linear.row0, linear.row1, linear.row2)};
+}
+
+AffineMap map_of_parts(std::span<const double> t, std::span<const double> q, std::span<const double> s,
+                       const JsonItem& user) {
+  const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+  if (!(norm > 0) || !std::isfinite(norm)) user.refuse("its rotation is not a quaternion of finite length above 0");
+  const double x = q[0] / norm, y = q[1] / norm, z = q[2] / norm, w = q[3] / norm;
+  int orientation = 1;
+  for (const double along_axis : s) orientation *= (along_axis > 0 ? 1 : 0) - (along_axis < 0 ? 1 : 0);
+  return {{{s[0] * (1 - 2 * (y * y + z * z)), s[1] * (2 * (x * y - w * z)), s[2] * (2 * (x * z + w * y))},
+           {s[0] * (2 * (x * y + w * z)), s[1] * (1 - 2 * (x * x + z * z)), s[2] * (2 * (y * z - w * x))},
+           {s[0] * (2 * (x * z - w * y)), s[1] * (2 * (y * z + w * x)), s[2] * (1 - 2 * (x * x + y * y))}},
+          {t[0], t[1], t[2]},
+          orientation};
+}
+
+GltfScene read_scene(const JsonItem& description) {
   if (description.list("scenes").empty()) description.refuse("has no scene", ErrorCode::empty_mesh);
   const JsonItem scene = description.item("scenes", description.whole("scene", 0), "scene", description);
   const Nodes nodes(description);
@@ -104,22 +114,27 @@ std::vector<MeshInstance> mesh_instances(const JsonItem& description) {
   struct Visit {
     std::size_t node;
     AffineMap world_from_parent;
+    bool is_visible;
   };
   std::vector<Visit> open;
-  const auto push = [&](const std::vector<std::size_t>& found, const AffineMap& world_from_parent) {
-    for (std::size_t i = found.size(); i-- > 0;) open.push_back({found[i], world_from_parent});
+  const auto push = [&](const std::vector<std::size_t>& found, const AffineMap& world_from_parent, bool is_visible) {
+    for (std::size_t i = found.size(); i-- > 0;) open.push_back({found[i], world_from_parent, is_visible});
   };
-  std::vector<MeshInstance> instances;
-  push(nodes.roots(scene), {});
+  GltfScene result;
+  if (description.has("skins")) result.world_from_node.resize(description.list("nodes").size());
+  push(nodes.roots(scene), {}, true);
   while (!open.empty()) {
     const Visit visit = open.back();
     open.pop_back();
     const JsonItem node = nodes.node(visit.node, scene);
     const AffineMap world_from_node = visit.world_from_parent * parent_from_node(node);
-    if (node.has("mesh")) instances.push_back({node.whole("mesh"), world_from_node, node});
-    push(nodes.indices(node, "children"), world_from_node);
+    const std::optional<JsonItem> visibility = node.extension("KHR_node_visibility");
+    const bool is_visible = visit.is_visible && (!visibility || visibility->flag("visible", true));
+    if (is_visible && node.has("mesh")) result.instances.push_back({node.whole("mesh"), world_from_node, node});
+    if (!result.world_from_node.empty()) result.world_from_node[visit.node] = world_from_node;
+    push(nodes.indices(node, "children"), world_from_node, is_visible);
   }
-  return instances;
+  return result;
 }
 
 }  // namespace limber::io

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "io/gltf_json.h"
@@ -14,9 +16,20 @@ namespace limber::io {
 struct AffineMap {
   Mat3 linear;
   Vec3 translation;
+  int orientation = 1;  ///< the sign of the determinant: -1 for a map that mirrors
 
   Vec3 operator()(const Vec3& p) const { return linear * p + translation; }
 };
+
+/// The orientation is the product of theirs, which rounding cannot change.
+AffineMap operator*(const AffineMap& a_from_b, const AffineMap& b_from_c);
+
+/// The map of a 4 x 4 matrix by columns. `user` is what has the matrix, for messages.
+AffineMap map_of_matrix(std::span<const double> matrix, const JsonItem& user);
+
+/// Scales along the axes, turns by a quaternion x, y, z, w of any length but zero, then shifts.
+AffineMap map_of_parts(std::span<const double> translation, std::span<const double> rotation,
+                       std::span<const double> scale, const JsonItem& user);
 
 /// A mesh as one node shows it.
 struct MeshInstance {
@@ -25,11 +38,17 @@ struct MeshInstance {
   JsonItem node;
 };
 
-/// All meshes of the default scene (the first, where none is named), nodes before their children and these in order.
+/// The default scene of a file, or the first where none is named.
+struct GltfScene {
+  std::vector<MeshInstance> instances;                    ///< nodes before their children, and these in order
+  std::vector<std::optional<AffineMap>> world_from_node;  ///< none for nodes of other scenes; empty without skins
+};
+
+/// Nodes that `KHR_node_visibility` hides show no mesh, nor do their children.
 ///
 /// Errors   As in gltf_json.h: `malformed_file` unless the nodes are trees and the scene lists roots, each once;
 ///          `empty_mesh` when there is no scene.
 /// Cost     O(number of nodes), without recursion.
-std::vector<MeshInstance> mesh_instances(const JsonItem& description);
+GltfScene read_scene(const JsonItem& description);
 
 }  // namespace limber::io

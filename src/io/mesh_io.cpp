@@ -3,6 +3,7 @@
 #include "limber/io.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "base/float_environment.h"
 #include "io/file_bytes.h"
 #include "io/parse_mesh.h"
+#include "io/welding.h"
 
 namespace limber {
 namespace {
@@ -37,10 +39,22 @@ Result<io::Soup> parse_soup(const fs::path& path, std::string_view bytes, const 
   return soup;
 }
 
-Result<io::Soup> read_soup(const fs::path& path) {
+/// Reads a file; `files` becomes the list of all that were read.
+Result<io::Soup> read_soup(const fs::path& path, std::vector<fs::path>* files = nullptr) {
   const Result<std::string> bytes = io::read_regular_file(path, mesh_file_limits::bytes);
   if (!bytes) return in_file(path, bytes.error());
-  return parse_soup(path, *bytes, io::buffers_beside(path));
+  if (files == nullptr) return parse_soup(path, *bytes, io::buffers_beside(path));
+  *files = {path};
+  return parse_soup(path, *bytes, [&](const std::string& name, std::uint64_t max_bytes) {
+    files->push_back(path.parent_path() / std::u8string(name.begin(), name.end()));
+    return io::buffers_beside(path)(name, max_bytes);
+  });
+}
+
+void require_options(const ReadOptions& options) {
+  const double tolerance = options.weld_tolerance;
+  LIMBER_REQUIRE(tolerance >= 0 && std::isfinite(tolerance), "limber::ReadOptions: weld_tolerance must be finite and not below 0");
+  LIMBER_REQUIRE(options.weld || tolerance == 0, "limber::ReadOptions: there is a weld_tolerance without weld");
 }
 
 std::vector<Vec3> pick(const std::vector<Vec3>& positions, const std::vector<VertexId>& vertices) {
@@ -54,7 +68,7 @@ std::vector<Vec3> pick(const std::vector<Vec3>& positions, const std::vector<Ver
 }
 
 /// Cuts every face into a fan of triangles from its first corner, and gives vertices the ids that `weld` has for them.
-Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, const Weld& weld) {
+Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, Weld weld, std::vector<fs::path> files) {
   std::size_t triangle_count = 0;
   for (std::size_t f = 0; f < soup.faces.size(); ++f)  // n corners make n - 2 triangles
     triangle_count += std::max<std::size_t>(soup.faces[f].size(), 2) - 2;
@@ -63,75 +77,114 @@ Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, cons
     return in_file(path, {ErrorCode::too_large, "has more triangles than ids can count", {}});
 
   std::vector<Corners> triangles;
-  std::vector<std::uint32_t> face_of_triangle;
+  std::vector<std::uint32_t> face_of_triangle, part_of_triangle;
   triangles.reserve(triangle_count);
   face_of_triangle.reserve(triangle_count);
+  part_of_triangle.reserve(triangle_count);
   for (std::size_t f = 0; f < soup.faces.size(); ++f) {
     const std::span<const std::uint32_t> face = soup.faces[f];
     for (std::size_t i = 2; i < face.size(); ++i) {
       triangles.push_back({weld.welded_of[face[0]], weld.welded_of[face[i - 1]], weld.welded_of[face[i]]});
       face_of_triangle.push_back(static_cast<std::uint32_t>(f));
+      part_of_triangle.push_back(soup.part_of_face.empty() ? 0 : soup.part_of_face[f]);
     }
   }
   LIMBER_ASSERT(triangles.size() == triangle_count);
   Result<Mesh> mesh = Mesh::create(pick(soup.positions, weld.first_of), std::move(triangles));
   if (!mesh) return in_file(path, mesh.error());
-  return MeshFile{std::move(*mesh), std::move(face_of_triangle), soup.faces.size()};
+  return MeshFile{std::move(*mesh),
+                  std::move(face_of_triangle),
+                  soup.faces.size(),
+                  std::move(weld.welded_of),
+                  soup.parts.empty() ? std::vector<std::string>(1) : soup.parts,
+                  std::move(part_of_triangle),
+                  std::move(files)};
+}
+
+/// Why a frame is not one of a sequence that begins with `first`; empty if it is.
+std::string difference(const io::Soup& frame, std::size_t first_vertex_count, const io::FaceLists& first) {
+  const io::FaceLists& faces = frame.faces;
+  if (frame.positions.size() != first_vertex_count || faces.size() != first.size()) {
+    return "has " + std::to_string(frame.positions.size()) + " vertices and " + std::to_string(faces.size()) +
+           " faces, the first frame " + std::to_string(first_vertex_count) + " and " + std::to_string(first.size());
+  }
+  if (faces.corners == first.corners && faces.ends == first.ends) return {};
+  std::size_t face = 0;  // the loop ends: as many faces, and they differ
+  while (std::equal(faces[face].begin(), faces[face].end(), first[face].begin(), first[face].end())) ++face;
+  return "differs from the first frame in face " + std::to_string(face) + " of " + std::to_string(faces.size()) +
+         ", with " + std::to_string(first_vertex_count) + " vertices in both";
+}
+
+Error changed(const fs::path& path, std::size_t frame, const std::string& how) {
+  return in_file(path, {ErrorCode::changed_connectivity, "frame " + std::to_string(frame) + " " + how, frame});
 }
 
 }  // namespace
 
-Result<MeshFile> read_mesh_file(const fs::path& path) {
-  const Result<io::Soup> soup = read_soup(path);
+Result<MeshFile> read_mesh_file(const fs::path& path, const ReadOptions& options) {
+  require_options(options);
+  std::vector<fs::path> files;
+  const Result<io::Soup> soup = read_soup(path, &files);
   if (!soup) return soup.error();
-  return make_mesh_file(path, *soup, weld(soup->positions));
+  return make_mesh_file(path, *soup, io::Welding(*soup, options).result(), std::move(files));
 }
 
-Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const fs::path& name) {
+Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const fs::path& name, const ReadOptions& options) {
+  require_options(options);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const Result<io::Soup> soup = parse_soup(name, text, {});
   if (!soup) return soup.error();
-  return make_mesh_file(name, *soup, weld(soup->positions));
+  return make_mesh_file(name, *soup, io::Welding(*soup, options).result(), {});
 }
 
-Result<Mesh> load_mesh(const fs::path& path) {
-  Result<MeshFile> file = read_mesh_file(path);
+Result<Mesh> load_mesh(const fs::path& path, const ReadOptions& options) {
+  Result<MeshFile> file = read_mesh_file(path, options);
   if (!file) return file.error();
   return std::move(file->mesh);
 }
 
-Result<MeshSequence> MeshSequence::open(const fs::path& first_frame) {
-  Result<io::Soup> soup = read_soup(first_frame);
+Result<MeshSequence> MeshSequence::open(const fs::path& first_frame, const ReadOptions& options) {
+  return open(std::span(&first_frame, 1), options);
+}
+
+Result<MeshSequence> MeshSequence::open(std::span<const fs::path> frames, const ReadOptions& options) {
+  require_options(options);
+  LIMBER_REQUIRE(!frames.empty(), "limber::MeshSequence::open: there is no frame");
+  std::vector<fs::path> files;
+  Result<io::Soup> soup = read_soup(frames.front(), &files);
   if (!soup) return soup.error();
-  Weld map = weld(soup->positions);
-  Result<MeshFile> file = make_mesh_file(first_frame, *soup, map);
+  io::Welding welding(*soup, options);
+  for (std::size_t frame = 1; frame < frames.size() && welding.joins_any(); ++frame) {
+    const Result<io::Soup> later = read_soup(frames[frame]);
+    if (!later) return later.error();
+    const std::string how = difference(*later, soup->positions.size(), soup->faces);
+    if (!how.empty()) return changed(frames[frame], frame, how);
+    welding.part(later->positions);
+  }
+  Weld weld = welding.result();
+  std::vector<VertexId> file_vertex_of = weld.first_of;
+  Result<MeshFile> file = make_mesh_file(frames.front(), *soup, std::move(weld), std::move(files));
   if (!file) return file.error();
   MeshSequence sequence(std::move(*file));
-  sequence.file_vertex_count_ = soup->positions.size();
+  sequence.weld_tolerance_ = options.weld_tolerance;
   sequence.file_corners_ = std::move(soup->faces.corners);
   sequence.file_face_ends_ = std::move(soup->faces.ends);
-  sequence.file_vertex_of_ = std::move(map.first_of);
+  sequence.file_vertex_of_ = std::move(file_vertex_of);
   return sequence;
 }
 
 Result<std::vector<Vec3>> MeshSequence::read_positions(const fs::path& path, std::size_t frame) const {
   const Result<io::Soup> soup = read_soup(path);
   if (!soup) return soup.error();
-  const auto changed = [&](const std::string& how) {
-    return in_file(path, {ErrorCode::changed_connectivity, "frame " + std::to_string(frame) + " " + how, frame});
-  };
-  const io::FaceLists& faces = soup->faces;
-  if (soup->positions.size() != file_vertex_count_ || faces.size() != file_face_ends_.size()) {
-    return changed("has " + std::to_string(soup->positions.size()) + " vertices and " + std::to_string(faces.size()) +
-                   " faces, the first frame " + std::to_string(file_vertex_count_) + " and " +
-                   std::to_string(file_face_ends_.size()));
-  }
-  if (faces.corners != file_corners_ || faces.ends != file_face_ends_) {
-    const io::FaceLists first{file_corners_, file_face_ends_};
-    std::size_t face = 0;  // the loop ends: as many faces, and they differ
-    while (std::equal(faces[face].begin(), faces[face].end(), first[face].begin(), first[face].end())) ++face;
-    return changed("differs from the first frame in face " + std::to_string(face) + " of " +
-                   std::to_string(faces.size()) + ", with " + std::to_string(file_vertex_count_) + " vertices in both");
+  const std::vector<VertexId>& mesh_vertex_of = first_.vertex_of_file_vertex;
+  const std::string how = difference(*soup, mesh_vertex_of.size(), {file_corners_, file_face_ends_});
+  if (!how.empty()) return changed(path, frame, how);
+  for (std::size_t v = 0; v < mesh_vertex_of.size(); ++v) {
+    const VertexId first = file_vertex_of_[mesh_vertex_of[v]];
+    if (io::are_together(soup->positions[first], soup->positions[v], weld_tolerance_)) continue;
+    return changed(path, frame,
+                   "parts vertices " + std::to_string(first) + " and " + std::to_string(v) +
+                       " of the file, which are one in the sequence; open it with all its frames, or without welding");
   }
   return pick(soup->positions, file_vertex_of_);
 }

@@ -70,29 +70,34 @@ void check_version(const JsonItem& description) {
                ErrorCode::unsupported_format);
 }
 
-/// Refuses files that ask for an extension, unless it cannot change where vertices are and how they are joined.
+/// Refuses files that require an extension, unless it is read or cannot change where vertices are and how they are
+/// joined. An extension that changes the geometry must be required, by its own rules, except the two of nodes.
 void check_extensions(const JsonItem& description) {
   constexpr std::array<std::string_view, 7> harmless = {"KHR_materials_", "KHR_texture_", "KHR_lights_",  "KHR_xmp",
                                                         "EXT_texture_",   "EXT_lights_",  "MSFT_texture_"};
+  constexpr std::array<std::string_view, 3> read = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
+                                                    "KHR_node_visibility"};
   for (const Json& entry : description.list("extensionsRequired")) {
     if (!entry.is_string()) description.refuse("extensionsRequired holds something that is not a string");
     const std::string_view name = entry.get_ref<const std::string&>();
     if (std::any_of(harmless.begin(), harmless.end(), [&](auto prefix) { return name.starts_with(prefix); })) continue;
+    if (std::find(read.begin(), read.end(), name) != read.end()) continue;
     constexpr std::size_t shown_name_length = 80;
     description.refuse("requires the glTF extension " + in_quotes(name, shown_name_length) + ", which is not read",
                        ErrorCode::unsupported_format);
   }
 }
 
-/// Refuses scenes that show their meshes so often that they would fill the memory.
-void check_totals(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t file_bytes) {
+/// Refuses scenes that would fill the memory.
+void check_total(double element_count, std::uint64_t file_bytes, const GltfMesh& mesh, const JsonItem& node) {
   constexpr std::uint64_t most_ids = 0x7fff'ffffU;
   const std::uint64_t limit = std::min(
       most_ids, std::max(mesh_file_limits::gltf_elements, mesh_file_limits::gltf_elements_per_byte * file_bytes));
-  if (vertices + triangles <= limit) return;
-  throw BadResult({ErrorCode::too_large,
-                   "shows its meshes so often that vertices and triangles exceed the limit of " + std::to_string(limit),
-                   {}});
+  if (element_count <= static_cast<double>(limit)) return;
+  node.refuse("shows a mesh of " + std::to_string(mesh.vertex_count) + " vertices and " +
+                  std::to_string(mesh.triangle_count) + " triangles, with which the scene exceeds the limit of " +
+                  std::to_string(limit) + " vertices and triangles, counted each time they are shown",
+              ErrorCode::too_large);
 }
 
 Soup read(std::string_view file, const BufferSource& external) {
@@ -104,23 +109,25 @@ Soup read(std::string_view file, const BufferSource& external) {
   GltfBuffers buffers(description, parts.binary_chunk, external,
                       mesh_file_limits::bytes - std::min<std::uint64_t>(mesh_file_limits::bytes, file.size()));
   GltfMeshes meshes(description, buffers);
-  const std::vector<MeshInstance> instances = mesh_instances(description);
+  const GltfScene scene = read_scene(description);
 
   // Everything is counted before memory is taken for any of it.
   std::uint64_t vertex_count = 0, triangle_count = 0;
-  for (const MeshInstance& instance : instances) {
-    const GltfMesh& mesh = meshes.mesh(instance.mesh, instance.node);
-    vertex_count += mesh.vertex_count;
-    triangle_count += mesh.triangle_count;
-    check_totals(vertex_count, triangle_count, file.size() + buffers.file_bytes());
+  double element_count = 0;  // a type that does not overflow
+  for (const MeshInstance& instance : scene.instances) {
+    const GltfMesh& mesh = meshes.mesh(instance);
+    const std::size_t shown_count = meshes.shown_count(instance.node);
+    const double own_count = shown_count == 1 ? 0 : 4;  // an instance has a transform and a name
+    element_count += static_cast<double>(shown_count) * (own_count + meshes.element_count(instance));
+    check_total(element_count, file.size() + buffers.file_bytes(), mesh, instance.node);
+    vertex_count += shown_count * mesh.vertex_count;
+    triangle_count += shown_count * mesh.triangle_count;
   }
   Soup soup;
   soup.positions.reserve(static_cast<std::size_t>(vertex_count));
   soup.faces.corners.reserve(3 * static_cast<std::size_t>(triangle_count));
   soup.faces.ends.reserve(static_cast<std::size_t>(triangle_count));
-  for (const MeshInstance& instance : instances) {
-    append(soup, meshes.mesh(instance.mesh, instance.node), instance.world_from_mesh);
-  }
+  for (const MeshInstance& instance : scene.instances) meshes.append(soup, instance, scene);
   return soup;
 }
 

@@ -34,6 +34,8 @@ struct FaceLists {
 struct Soup {
   std::vector<Vec3> positions;
   FaceLists faces;
+  std::vector<std::string> parts;           ///< names of the parts, those with faces only; empty if the file has none
+  std::vector<std::uint32_t> part_of_face;  ///< in `parts`; empty if the file has none
 };
 
 inline Error malformed(std::string reason) { return {ErrorCode::malformed_file, std::move(reason), {}}; }

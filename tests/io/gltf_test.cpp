@@ -2,6 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+#include <sstream>
+#include <tuple>
+
 namespace limber {
 namespace {
 
@@ -16,11 +24,11 @@ class Gltf : public FilesTest {
     EXPECT_NE(text.find(part), text.npos) << part;
     return text.replace(text.find(part), part.size(), instead);
   }
-  using Changes = std::vector<std::pair<std::string, std::string>>;
-  /// Each change alone, of one part of a sound file, makes it malformed or too large.
-  void expect_refused_changes(const GltfParts& sound, std::string GltfParts::*part, const Changes& changes) const {
+  /// Each change alone makes a sound file malformed or too large: a part of the text, and what stands instead.
+  void expect_refused_changes(const GltfParts& sound, std::string GltfParts::*part, const std::string& changes) const {
     ASSERT_TRUE(read("a.gltf", sound.gltf()));
-    for (const auto& [from, to] : changes) {
+    std::istringstream words(changes);
+    for (std::string from, to; words >> from >> to;) {
       GltfParts parts = sound;
       parts.*part = with(parts.*part, from, to);
       const ErrorCode code = refused_parts(parts).code;
@@ -59,24 +67,202 @@ TEST_F(Gltf, strips_fans_strides_and_sparse_accessors_are_read) {
   EXPECT_EQ(binary->mesh.triangles(), file->mesh.triangles());
 }
 
-TEST_F(Gltf, transforms_keep_float64) {
-  GltfParts parts;
-  parts.nodes = R"([{"translation":[0.1,0,0],"children":[1]},{"mesh":0,"translation":[1e9,0,0]}])";
-  const Result<MeshFile> file = read("a.gltf", parts.gltf());
-  ASSERT_TRUE(file) << file.error().text;
-  EXPECT_EQ(file->mesh.positions()[0].x, 1e9 + 0.1);
+/// Appends an accessor with a buffer view of its own and returns its index.
+template <typename Component>
+std::string add(GltfParts& parts, int component_type, const std::string& type, const std::vector<double>& numbers) {
+  const auto object_count = [](const std::string& list) {
+    return std::to_string(std::count(list.begin(), list.end(), '{'));
+  };
+  const std::string index = object_count(parts.accessors), view = object_count(parts.views);
+  const std::size_t size = type == "MAT4" ? 16 : type == "VEC4" ? 4 : type == "VEC3" ? 3 : 1;
+  parts.buffer.resize((parts.buffer.size() + 3) / 4 * 4);
+  parts.accessors.back() = parts.views.back() = ',';
+  parts.accessors += R"({"bufferView":)" + view + R"(,"componentType":)" + std::to_string(component_type) +
+                     R"(,"type":")" + type + R"(","count":)" + std::to_string(numbers.size() / size) + "}]";
+  parts.views += R"({"buffer":0,"byteOffset":)" + std::to_string(parts.buffer.size()) + R"(,"byteLength":)" +
+                 std::to_string(numbers.size() * sizeof(Component)) + "}]";
+  for (const double number : numbers) append(parts.buffer, static_cast<Component>(number));
+  return index;
+}
+std::string add_bytes(GltfParts& parts, const std::string& type, const std::vector<double>& numbers) {
+  return add<std::uint8_t>(parts, 5121, type, numbers);
+}
+std::string add_floats(GltfParts& parts, const std::string& type, const std::vector<double>& numbers) {
+  return add<float>(parts, 5126, type, numbers);
 }
 
-TEST_F(Gltf, rotation_about_a_slanted_axis_is_that_of_the_quaternion) {
+std::string json(const std::vector<double>& numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "[" : ",") + std::to_string(number);
+  return text + "]";
+}
+
+using Map = std::function<Vec3(const Vec3&)>;
+Map operator*(const Map& a_from_b, const Map& b_from_c) {
+  return [=](const Vec3& p) { return a_from_b(b_from_c(p)); };
+}
+Map map_of_parts(const double* t, const double* q, const double* s) {
+  const Transform turn = transform_from_quaternion({t[0], t[1], t[2]}, q[3], q[0], q[1], q[2]).value();
+  return [turn, x = s[0], y = s[1], z = s[2]](const Vec3& p) { return turn({x * p.x, y * p.y, z * p.z}); };
+}
+Map map_of_matrix(const std::vector<double>& m) {
+  const auto column = [m](std::size_t i) { return Vec3{m[4 * i], m[4 * i + 1], m[4 * i + 2]}; };
+  return [=](const Vec3& p) { return p.x * column(0) + p.y * column(1) + p.z * column(2) + column(3); };
+}
+
+TEST_F(Gltf, closed_meshes_are_placed_and_stay_outward_whatever_the_tree) {
+  std::mt19937 random(20);
+  const auto numbers = [&](std::size_t count) {  // exact in float32 and in text, none is zero
+    std::vector<double> drawn(count);
+    for (double& number : drawn) number = (2.0 * static_cast<double>(random() % 16) - 15) / 8;
+    return drawn;
+  };
+  const auto matrix = [&] {
+    std::vector<double> m = numbers(16);
+    m[3] = m[7] = m[11] = 0, m[15] = 1;
+    return m;
+  };
+  for (int round = 0; round < 40; ++round) {
+    // A tetrahedron three times, bound to the second of two joints: as a list, a strip, and a fan with a triangle.
+    GltfParts parts = gltf_of(tetrahedron_positions, tetrahedron_triangles);
+    add_bytes(parts, "SCALAR", {0, 2, 1, 3, 0, 2});
+    add_bytes(parts, "SCALAR", {0, 2, 1, 3, 2});
+    add_bytes(parts, "SCALAR", {1, 2, 3});
+    add_bytes(parts, "VEC4", {1, 0, 0, 0, 0, 1, 0, 0, 1, 9, 0, 0, 1, 1, 0, 0});
+    add_floats(parts, "VEC4", {1, 0, 0, 0, 0, 2, 0, 0, 1, 0, 0, 0, 0.5, 0.5, 0, 0});
+    const std::string primitive = R"({"attributes":{"POSITION":0,"JOINTS_0":5,"WEIGHTS_0":6},"indices":)";
+    parts.primitives =
+        "[" + primitive + "1}," + primitive + R"(2,"mode":5},)" + primitive + R"(3,"mode":6},)" + primitive + "4}]";
+    const std::vector<double> t = numbers(6), q = numbers(8), s = numbers(6), unused = matrix(), bind = matrix();
+    std::vector<double> binds = unused;
+    binds.insert(binds.end(), bind.begin(), bind.end());
+    parts.more = R"("skins":[{"joints":[1,2],"inverseBindMatrices":)" + add_floats(parts, "MAT4", binds) + "}],";
+    const std::string instances = R"(,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":)" +
+                                  add_floats(parts, "VEC3", t) + R"(,"ROTATION":)" + add_floats(parts, "VEC4", q) +
+                                  R"(,"SCALE":)" + add_floats(parts, "VEC3", s) + "}}}";
+
+    std::vector<Map> world;
+    std::map<std::string, Map> expected;  // of each part
+    std::vector<std::string> nodes, children(7);
+    for (std::size_t n = 0; n < children.size(); ++n) {
+      const std::vector<double> m = matrix(), move = numbers(3), turn = numbers(4), scale = numbers(3);
+      const bool has_matrix = random() % 2 == 0;
+      const std::string name = "n" + std::to_string(n), id = std::to_string(n);
+      nodes.push_back(R"({"mesh":0,"name":")" + name + "\"" +
+                      (n == 5   ? instances
+                       : n == 6 ? R"(,"skin":0)"
+                                : "") +
+                      (has_matrix ? R"(,"matrix":)" + json(m)
+                                  : R"(,"translation":)" + json(move) + R"(,"rotation":)" + json(turn) +
+                                        R"(,"scale":)" + json(scale)));
+      world.push_back(has_matrix ? map_of_matrix(m) : map_of_parts(move.data(), turn.data(), scale.data()));
+      const std::size_t parent = n == 0 || random() % 4 == 0 ? 0 : random() % n;
+      if (n > 0) children[parent] += (children[parent].empty() ? "" : ",") + id;
+      if (n > 0) world[n] = world[parent] * world[n];
+      if (n == 5) {
+        expected[name + "[0]"] = world[n] * map_of_parts(&t[0], &q[0], &s[0]);
+        expected[name + "[1]"] = world[n] * map_of_parts(&t[3], &q[4], &s[3]);
+      } else {
+        expected[name] = n == 6 ? world[2] * map_of_matrix(bind) : world[n];
+      }
+    }
+    parts.nodes.clear();
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+      parts.nodes += (n == 0 ? "[" : ",") + nodes[n] + R"(,"children":[)" + children[n] + "]}";
+    parts.nodes += "]";
+
+    const Result<MeshFile> file = read("a.gltf", parts.gltf());
+    ASSERT_TRUE(file) << file.error().text;
+    ASSERT_EQ(file->parts.size(), expected.size());
+    std::vector<double> volumes(expected.size());
+    for (TriangleId i = 0; i < file->mesh.triangles().size(); ++i) {
+      const std::uint32_t part = file->part_of_triangle[i];
+      const Triangle triangle = file->mesh.triangle(i);
+      volumes[part] += dot(triangle.v0, cross(triangle.v1, triangle.v2)) / 6;
+      if (i % 12 >= tetrahedron_triangles.size()) continue;
+      Vec3 sum = -(triangle.v0 + triangle.v1 + triangle.v2);
+      for (const VertexId v : tetrahedron_triangles[i % 12])
+        sum += expected[file->parts[part]](tetrahedron_positions[v]);
+      EXPECT_LT(max_abs(sum), 1e-10) << file->parts[part];
+    }
+    for (std::size_t part = 0; part < volumes.size(); ++part) {
+      const auto edge = [&, map = expected[file->parts[part]]](std::size_t v) {
+        return map(tetrahedron_positions[v]) - map({});
+      };
+      EXPECT_NEAR(volumes[part], std::abs(dot(edge(1), cross(edge(2), edge(3)))) / 2, 1e-8) << file->parts[part];
+    }
+  }
+}
+
+TEST_F(Gltf, skins_blend_the_maps_of_joints) {
   GltfParts parts;
-  parts.nodes = R"([{"rotation":[1,2,3,4],"children":[1]},{"mesh":0,"translation":[0,0,1]}])";
+  add_bytes(parts, "VEC4", {0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0});
+  add_bytes(parts, "VEC4", {51, 51, 0, 0, 51, 51, 0, 0, 51, 51, 0, 0});
+  parts.accessors = with(parts.accessors, R"(}])", R"(,"normalized":true}])");
+  add_floats(parts, "VEC4", {0, 0.6, 0, 0, 0, 0.6, 0, 0, 0, 0.6, 0, 0});
+  add_floats(parts, "VEC4", {2, -1, 0, 0, 2, -1, 0, 0, 2, -1, 0, 0});
+  parts.primitives =
+      R"([{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3,"JOINTS_1":2,"WEIGHTS_1":4},"indices":1}])";
+  parts.nodes = R"([{"mesh":0,"skin":0,"translation":[9,9,9]},{"translation":[10,0,0]},{"translation":[0,5,0]}])";
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  parts.more = R"("skins":[{"joints":[1,2]}],)";
   const Result<MeshFile> file = read("a.gltf", parts.gltf());
   ASSERT_TRUE(file) << file.error().text;
-  const Vec3 of_x{4, 28, -10}, of_y{-20, 10, 20}, of_z{22, 4, 20};  // thirtieths
-  const std::vector<Vec3>& positions = file->mesh.positions();
-  EXPECT_LT(max_abs(30 * positions[0] - of_z), 1e-13);
-  EXPECT_LT(max_abs(30 * positions[1] - (of_x + of_z)), 1e-13);
-  EXPECT_LT(max_abs(30 * positions[2] - (of_y + of_z)), 1e-13);
+  EXPECT_LT(max_abs(file->mesh.positions()[0] - Vec3{2, 4, 0}), 1e-6);
+  expect_refused_changes(parts, &GltfParts::scenes, R"([0,1,2] [0,1])");
+  expect_refused_changes(parts, &GltfParts::more, R"([1,2] [1,3]  [1,2] [1]  [1,2] [1,2],"inverseBindMatrices":5)");
+  expect_refused_changes(parts, &GltfParts::primitives, R"(
+    JOINTS_0 _J  WEIGHTS_0 _W  _0":3 _0":2  _1":4 _1":5  _0":2 _0":1)");
+  expect_refused_changes(parts, &GltfParts::nodes, R"(
+    "skin":0 "skin":1  "skin":0 "skin":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{}}})");
+}
+
+TEST_F(Gltf, quantized_positions_are_read) {
+  const auto expect_lows_and_highs = [&](auto component, int component_type, double low, double high) {
+    GltfParts parts;
+    parts.primitives = R"([{"attributes":{"POSITION":)" +
+                       add<decltype(component)>(parts, component_type, "VEC3", {low, 7, high, 1, 0, 0, 0, 1, 0}) +
+                       "}}]";
+    parts.more = R"("extensionsRequired":["KHR_mesh_quantization"],)";
+    EXPECT_EQ(read("a.gltf", parts.gltf())->mesh.positions()[0], (Vec3{low, 7, high}));
+    parts.accessors = with(parts.accessors, R"(":3}])", R"(":3,"normalized":true}])");
+    EXPECT_EQ(read("a.gltf", parts.gltf())->mesh.positions()[0], (Vec3{low < 0 ? -1.0 : 0.0, 7 / high, 1}));
+  };
+  expect_lows_and_highs(std::int8_t{}, 5120, -128, 127);
+  expect_lows_and_highs(std::uint8_t{}, 5121, 0, 255);
+  expect_lows_and_highs(std::int16_t{}, 5122, -32768, 32767);
+  expect_lows_and_highs(std::uint16_t{}, 5123, 0, 65535);
+}
+
+TEST_F(Gltf, hidden_nodes_show_nothing_and_parts_are_named_after_nodes_or_meshes) {
+  GltfParts parts;
+  parts.primitives += R"(,"weights":[0,0],"name":"m")";
+  parts.nodes = R"([{"children":[1],"extensions":{"KHR_node_visibility":{"visible":false}}},{"mesh":0},{"mesh":0},)"
+                R"({"mesh":0,"name":"n","extensions":{"KHR_node_visibility":{}}}])";
+  parts.scenes = R"([{"nodes":[0,2,3]}])";
+  EXPECT_EQ(read("a.gltf", parts.gltf())->parts, (std::vector<std::string>{"m", "n"}));
+  parts.primitives = with(parts.primitives, "[0,0]", "[0,0.5]");  // morph targets that move vertices
+  EXPECT_EQ(refused_parts(parts).code, ErrorCode::unsupported_format);
+}
+
+TEST_F(Gltf, scenes_of_too_many_elements_are_refused_by_what_they_show) {
+  GltfParts parts;
+  parts.accessors = with(parts.accessors, R"("bufferView":0,"componentType":5126,"count":3)",
+                         R"("componentType":5126,"count":100000000)");
+  EXPECT_NE(refused_parts(parts).text.find("node 0: shows a mesh of 100000000 vertices and 1 triangles"),
+            std::string::npos);
+  const std::string points = R"([{"attributes":{"POSITION":0},"mode":0}])", long_name(1'000'000, 'n');
+  for (const auto& [count, name, primitives] : {std::tuple{"4000000000", std::string(), parts.primitives},
+                                                {"4000000000", "", points},
+                                                {"10000", long_name, parts.primitives}}) {
+    GltfParts instances;
+    instances.primitives = primitives;
+    instances.accessors = with(instances.accessors, "}]",
+                               R"(},{"componentType":5126,"type":"VEC3","count":)" + std::string(count) + "}]");
+    instances.nodes =
+        R"([{"mesh":0,"name":")" + name + R"(","extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"SCALE":2}}}}])";
+    EXPECT_EQ(refused_parts(instances).code, ErrorCode::too_large);
+  }
 }
 
 TEST_F(Gltf, points_and_lines_are_passed_over) {
@@ -207,25 +393,15 @@ TEST_F(Gltf, largest_index_of_a_type_is_refused) {
   EXPECT_TRUE(read("a.gltf", parts.gltf()));
 }
 
-TEST_F(Gltf, positions_of_other_types_than_float_are_refused) {
-  for (const char* type : {"5120", "5121", "5122", "5123", "5125", "0", "5130"}) {
-    GltfParts parts;
-    parts.accessors = with(parts.accessors, "5126", type);
-    const Error error = refused_parts(parts);
-    EXPECT_EQ(error.code, ErrorCode::unsupported_format);
-    EXPECT_NE(error.text.find("accessor 0: positions of component type " + std::string(type)), std::string::npos);
-  }
-}
-
 TEST_F(Gltf, required_extensions_are_known_by_their_decoded_names) {
   for (const std::string name :
-       {"KHR_mesh_quantization", "KHR\\u005fmesh_quantization", "\\u004bHR_mesh_quantization"}) {
+       {"KHR_draco_mesh_compression", "KHR\\u005fdraco_mesh_compression", "\\u004bHR_draco_mesh_compression"}) {
     GltfParts parts;
     parts.more = R"("extensionsUsed":[")" + name + R"("],"extensionsRequired":[")" + name + R"("],)";
     for (const std::string& bytes : {parts.gltf(), parts.glb()}) {
       const Error error = refused("a.glb", bytes);
       EXPECT_EQ(error.code, ErrorCode::unsupported_format);
-      EXPECT_NE(error.text.find("KHR_mesh_quantization"), std::string::npos) << error.text;
+      EXPECT_NE(error.text.find("KHR_draco_mesh_compression"), std::string::npos) << error.text;
     }
     parts.more = with(parts.more, "extensionsRequired", "extensions\\u0052equired");
     EXPECT_EQ(refused_parts(parts).code, ErrorCode::unsupported_format);
@@ -238,61 +414,36 @@ TEST_F(Gltf, required_extensions_are_known_by_their_decoded_names) {
 }
 
 TEST_F(Gltf, broken_accessors_are_malformed) {
-  expect_refused_changes({}, &GltfParts::accessors,
-                         {{R"("count":3)", R"("count":4)"},
-                          {R"("count":3)", R"("count":0)"},
-                          {R"("count":3)", R"("count":-3)"},
-                          {R"("count":3)", R"("count":3.0)"},
-                          {R"("count":3)", R"("count":18446744073709551615)"},
-                          {R"("count":3)", R"("count":99999999999999999999999)"},
-                          {R"("count":3)", R"("counts":3)"},
-                          {R"("bufferView":0)", R"("bufferView":2)"},
-                          {R"("bufferView":0)", R"("bufferView":18446744073709551615)"},
-                          {R"("bufferView":0)", R"("bufferView":0,"byteOffset":4)"},
-                          {R"("bufferView":0)", R"("bufferView":0,"byteOffset":18446744073709551612)"},
-                          {R"("bufferView":0)", R"("byteOffset":4)"},
-                          {R"("VEC3")", R"("VEC4")"},
-                          {R"("VEC3")", "3"},
-                          {R"("VEC3")", R"("VEC3","normalized":true)"},
-                          {"5123", "5122"},
-                          {"5123", "5126"},
-                          {"5123", "5125"},
-                          {R"("SCALAR")", R"("VEC2")"},
-                          {"}", R"(,"sparse":7})"}});
+  expect_refused_changes({}, &GltfParts::accessors, R"(
+    "count":3 "count":4  "count":3 "count":0  "count":3 "count":-3  "count":3 "count":3.0
+    "count":3 "count":18446744073709551615  "count":3 "count":99999999999999999999999  "count":3 "counts":3
+    "bufferView":0 "bufferView":2  "bufferView":0 "bufferView":18446744073709551615
+    "bufferView":0 "bufferView":0,"byteOffset":4  "bufferView":0 "bufferView":0,"byteOffset":18446744073709551612
+    "bufferView":0 "byteOffset":4  "VEC3" "VEC4"  "VEC3" 3  "VEC3" "VEC3","normalized":true  5126 5125  5126 5130
+    5123 5122  5123 5126  5123 5125  "SCALAR" "VEC2"  } ,"sparse":7})");
 }
 
 TEST_F(Gltf, broken_buffer_views_are_malformed) {
-  expect_refused_changes({}, &GltfParts::views,
-                         {{R"("byteLength":36)", R"("byteLength":43)"},
-                          {R"("byteLength":36)", R"("byteLength":35)"},
-                          {R"("byteLength":36)", R"("byteLength":0)"},
-                          {R"("byteLength":36)", R"("byteLength":36,"byteOffset":18446744073709551615)"},
-                          {R"("byteLength":36)", R"("byteLength":18446744073709551615,"byteOffset":1)"},
-                          {R"("byteLength":36)", R"("byteLength":36,"byteOffset":2)"},
-                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":8)"},
-                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":14)"},
-                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":16)"},
-                          {R"("byteLength":36)", R"("byteLength":36,"byteStride":256)"},
-                          {R"("byteLength":6)", R"("byteLength":6,"byteStride":4)"},
-                          {R"("byteLength":6)", R"("byteLength":12)"},
-                          {R"("byteOffset":36)", R"("byteOffset":35)"},
-                          {R"("buffer":0)", R"("buffer":1)"}});
+  expect_refused_changes({}, &GltfParts::views, R"(
+    "byteLength":36 "byteLength":43  "byteLength":36 "byteLength":35  "byteLength":36 "byteLength":0
+    "byteLength":36 "byteLength":36,"byteOffset":18446744073709551615
+    "byteLength":36 "byteLength":18446744073709551615,"byteOffset":1  "byteLength":36 "byteLength":36,"byteOffset":2
+    "byteLength":36 "byteLength":36,"byteStride":8  "byteLength":36 "byteLength":36,"byteStride":14
+    "byteLength":36 "byteLength":36,"byteStride":16  "byteLength":36 "byteLength":36,"byteStride":256
+    "byteLength":6 "byteLength":6,"byteStride":4  "byteLength":6 "byteLength":12  "byteOffset":36 "byteOffset":35
+    "buffer":0 "buffer":1)");
 }
 
 TEST_F(Gltf, broken_sparse_accessors_are_malformed) {
-  expect_refused_changes(
-      varied_gltf(), &GltfParts::accessors,
-      {{R"("count":2)", R"("count":3)"},
-       {R"("count":2)", R"("count":5)"},
-       {R"("count":2)", R"("count":0)"},
-       {R"("indices":{"bufferView":2)", R"("indices":{"bufferView":2,"byteOffset":1099511627776)"},
-       {R"("indices":{"bufferView":2)", R"("indices":{"bufferView":2,"byteOffset":1)"},
-       {R"("indices":{"bufferView":2)", R"("indices":{"bufferView":0)"},
-       {R"("indices":{"bufferView":2)", R"("indices":{"nothing":2)"},
-       {R"("values":{"bufferView":3})", R"("values":{"bufferView":2})"},
-       {R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4})"},
-       {R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":18446744073709551608})"},
-       {R"("componentType":5123})", R"("componentType":5126})"}});
+  expect_refused_changes(varied_gltf(), &GltfParts::accessors, R"(
+    "count":2 "count":3  "count":2 "count":5  "count":2 "count":0
+    "indices":{"bufferView":2 "indices":{"bufferView":2,"byteOffset":1099511627776
+    "indices":{"bufferView":2 "indices":{"bufferView":2,"byteOffset":1
+    "indices":{"bufferView":2 "indices":{"bufferView":0  "indices":{"bufferView":2 "indices":{"nothing":2
+    "values":{"bufferView":3} "values":{"bufferView":2}
+    "values":{"bufferView":3} "values":{"bufferView":3,"byteOffset":4}
+    "values":{"bufferView":3} "values":{"bufferView":3,"byteOffset":18446744073709551608}
+    "componentType":5123} "componentType":5126})");
   GltfParts falling = varied_gltf();
   std::swap(falling.buffer[68], falling.buffer[70]);  // 3, 1
   EXPECT_NE(refused_parts(falling).text.find("sparse index 1 does not follow"), std::string::npos);
@@ -312,39 +463,24 @@ TEST_F(Gltf, corners_that_make_no_whole_triangles_are_malformed) {
 }
 
 TEST_F(Gltf, nodes_that_form_no_tree_are_malformed) {
-  for (const auto& [nodes, scenes] : std::vector<std::pair<std::string, std::string>>{
-           {R"([{"children":[0],"mesh":0}])", "[0]"},
-           {R"([{"children":[1]},{"children":[0],"mesh":0}])", "[0]"},
-           {R"([{"children":[1]},{"children":[2]},{"children":[1],"mesh":0}])", "[0]"},
-           {R"([{"children":[1,1]},{"mesh":0}])", "[0]"},
-           {R"([{"children":[2]},{"children":[2]},{"mesh":0}])", "[0,1]"},
-           {R"([{"children":[1]},{"mesh":0}])", "[1]"},
-           {R"([{"mesh":0}])", "[0,0]"},
-           {R"([{"mesh":0}])", "[1]"},
-           {R"([{"mesh":1}])", "[0]"},
-           {R"([{"children":[7],"mesh":0}])", "[0]"},
-           {R"([7])", "[0]"}}) {
-    GltfParts parts;
-    parts.nodes = nodes;
+  std::istringstream words(R"([{"children":[0],"mesh":0}] [0]  [{"children":[1]},{"children":[0],"mesh":0}] [0]
+    [{"children":[1]},{"children":[2]},{"children":[1],"mesh":0}] [0]  [{"children":[1,1]},{"mesh":0}] [0]
+    [{"children":[2]},{"children":[2]},{"mesh":0}] [0,1]  [{"children":[1]},{"mesh":0}] [1]  [{"mesh":0}] [0,0]
+    [{"mesh":0}] [1]  [{"mesh":1}] [0]  [{"children":[7],"mesh":0}] [0]  [7] [0])");
+  GltfParts parts;
+  for (std::string scenes; words >> parts.nodes >> scenes;) {
     parts.scenes = R"([{"nodes":)" + scenes + "}]";
-    EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file) << nodes << scenes;
+    EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file) << parts.nodes << scenes;
   }
 }
 
-TEST_F(Gltf, broken_transforms_are_malformed) {
-  const std::string matrix = R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])";
-  for (const std::string& transform :
-       {with(matrix, "1]", "2]"), with(matrix, "[1,0,0,0", "[1,0,0,1"), with(matrix, ",1]", "]"),
-        matrix + R"(,"scale":[1,1,1])", std::string(R"("rotation":[0,0,0,0])"), std::string(R"("rotation":[0,0,1])"),
-        std::string(R"("translation":[0,0,"x"])"), std::string(R"("scale":1)"),
-        std::string(R"("scale":[1e999,1,1])")}) {
-    GltfParts parts;
-    parts.nodes = R"([{"mesh":0,)" + transform + "}]";
-    EXPECT_EQ(refused_parts(parts).code, ErrorCode::malformed_file) << transform;
-  }
+TEST_F(Gltf, broken_transforms_are_refused) {
   GltfParts parts;
-  parts.nodes = R"([{"mesh":0,"scale":[1e300,1,1]}])";
-  EXPECT_EQ(refused_parts(parts).code, ErrorCode::too_large);
+  parts.nodes = R"([{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}])";
+  expect_refused_changes(parts, &GltfParts::nodes, R"(1]} 2]}  [1,0,0,0 [1,0,0,1  ,1]} ]}  } ,"scale":[1,1,1]})");
+  parts.nodes = R"([{"mesh":0,"rotation":[0,0,0,1],"translation":[0,0,0],"scale":[1,1,1]}])";
+  expect_refused_changes(parts, &GltfParts::nodes, R"(
+    0,1] 0,0]  0,0,1] 0,1]  [0,0,0], [0,0,"x"],  [1,1,1] 1  [1,1,1] [1e999,1,1]  [1,1,1] [1e300,1,1])");
 }
 
 TEST_F(Gltf, other_versions_are_unsupported) {
@@ -365,7 +501,7 @@ TEST_F(Gltf, other_versions_are_unsupported) {
 TEST_F(Gltf, names_that_an_object_has_twice_are_malformed) {
   GltfParts parts;
   parts.accessors = with(parts.accessors, R"("count":3)", R"("count":3,"co\u0075nt":1)");
-  EXPECT_NE(refused_parts(parts).text.find("two properties 'count'"), std::string::npos);
+  EXPECT_NE(refused_parts(parts).text.find("two properties of one name"), std::string::npos);
 }
 
 TEST_F(Gltf, data_that_is_not_base64_is_malformed) {

@@ -165,7 +165,10 @@ MeshFile load_mesh_argument(const std::string& argument) {
   std::vector<std::uint32_t> face_of_triangle(mesh.triangles().size());
   std::iota(face_of_triangle.begin(), face_of_triangle.end(), 0U);
   const std::size_t face_count = face_of_triangle.size();
-  return {std::move(mesh), std::move(face_of_triangle), face_count};
+  std::vector<VertexId> vertices(mesh.positions().size());
+  std::iota(vertices.begin(), vertices.end(), VertexId{0});
+  return {std::move(mesh),       std::move(face_of_triangle), face_count, std::move(vertices),
+          {std::string()}, std::vector<std::uint32_t>(face_count), {}};
 }
 
 RigidModel::RigidModel(MeshFile file, Engine engine)
