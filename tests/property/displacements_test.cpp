@@ -90,6 +90,79 @@ TEST(Displacements, KeepElementsApart) {
   EXPECT_GT(free, 500U);
 }
 
+/// Where vertices would like to go: towards a point, away from it, all one way, along a plane, or anywhere; some far,
+/// and some stay.
+std::vector<Vec3> wished_ends(Rng& rng, const Mesh& mesh, const Transform& pose, double size) {
+  const std::uint64_t kind = rng.below(5);
+  const Vec3 point = uniform_point(rng);
+  std::vector<Vec3> ends;
+  for (const Vec3& p : mesh.positions()) {
+    const Vec3 from = pose(p), any = uniform_point(rng), to = 4 * point - from * (1 / size);
+    const Vec3 ways[] = {to, -to, point, {any.x, point.y, 0}, any};
+    ends.push_back(from + (rng.below(4) == 0 ? 0 : rng.below(8) == 0 ? 8 * size : size) * ways[kind]);
+  }
+  return ends;
+}
+
+TEST(Displacements, AlongMotionsKeepElementsApartAtAnyPace) {
+  Rng rng(3231);
+  std::size_t limited = 0, free = 0;
+  for (int i = 0; i < 250 && !HasFailure(); ++i) {
+    SCOPED_TRACE(i);
+    const Scene s = arbitrary_scene(rng);
+    const double unit = s.size / 20, separation = unit * static_cast<double>(rng.below(3)) / 16;
+    const Model a(s.mesh_a), b(s.mesh_b);
+    MovingModel moving_a(a), moving_b(b);
+    const std::vector<Vec3> end_a = wished_ends(rng, s.mesh_a, s.pose_a, unit);
+    const std::vector<Vec3> end_b = wished_ends(rng, s.mesh_b, s.pose_b, unit);
+    ASSERT_TRUE(moving_a.set_motion(end_a, s.pose_a) && moving_b.set_motion(end_b, s.pose_b));
+    std::vector<double> of_a(end_a.size(), 1.0), of_b(rng.below(2) == 0 ? end_b.size() : 0, 1.0);
+    for (double& f : of_a) f = rng.below(2) == 0 ? 1 : rng.uniform();
+    const std::vector<double> wished = of_a;
+    limit_self_motions(moving_a, separation, of_a);
+    limit_motions(moving_a, moving_b, separation, of_a, of_b);
+    for (std::size_t v = 0; v < of_a.size(); ++v) {
+      EXPECT_TRUE(0 <= of_a[v] && of_a[v] <= wished[v]);
+      ++(of_a[v] < wished[v] ? limited : free);
+    }
+    of_b.resize(end_b.size());              // one that stays
+    for (const double slow : {0.0, 0.5}) {  // all the way, or anywhere
+      const auto moved = [&](const Mesh& mesh, const Transform& pose, const std::vector<Vec3>& end,
+                             const std::vector<double>& most) {
+        std::vector<Vec3> now;
+        for (std::size_t v = 0; v < end.size(); ++v) {
+          const Vec3 from = pose(mesh.positions()[v]);
+          now.push_back(from + most[v] * (rng.uniform() < slow ? rng.uniform() : 1) * (end[v] - from));
+        }
+        return at(mesh, std::move(now));
+      };
+      const Mesh now_a = moved(s.mesh_a, s.pose_a, end_a, of_a), now_b = moved(s.mesh_b, s.pose_b, end_b, of_b);
+      expect_apart(distances(reference::element_pairs({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}, any_distance)),
+                   distances(reference::element_pairs({now_a}, {now_b}, any_distance)), separation, 10 * s.tolerance);
+      expect_apart(distances(reference::self_element_pairs(s.mesh_a, any_distance)),
+                   distances(reference::self_element_pairs(now_a, any_distance)), separation, 10 * s.tolerance);
+    }
+  }
+  EXPECT_GT(limited, 500U);
+  EXPECT_GT(free, 500U);
+}
+
+TEST(Displacements, AlongMotionsAreThoseThatApproach) {
+  const Model floor(scenes::grid(8, 8, -1, -1, 0.25, 0.25));
+  MovingModel still(floor);
+  ASSERT_TRUE(still.set_motion(floor.mesh().positions()));
+  for (const double height : {0.002, 0.001}) {
+    const Model sheet(mapped(floor.mesh(), [&](const Vec3& p) { return 0.3 * p + Vec3{0, 0, height}; }));
+    for (const Vec3& way : {Vec3{0, 0, 1}, Vec3{0.5, 0.2, 0}, Vec3{0.5, 0.2, 1}, Vec3{0, 0, -1}, Vec3{1, 0, -0.5}}) {
+      MovingModel moving(sheet);
+      ASSERT_TRUE(moving.set_motion(mapped(sheet.mesh(), [&](const Vec3& p) { return p + way; }).positions()));
+      std::vector<double> fractions(floor.mesh().positions().size(), 1.0);
+      limit_motions(moving, still, 0.001, fractions);
+      for (const double f : fractions) EXPECT_NEAR(f, way.z < 0 ? (height - 0.001) / -way.z : 1, 1e-9) << way.z;
+    }
+  }
+}
+
 TEST(Displacements, LeaveWhatOneDoesNotWantToTheOther) {
   const Model low(scenes::grid(1, 1, 0, 0, 1, 1));
   const Model high(mapped(low.mesh(), [](const Vec3& p) { return p + Vec3{0, 0, 1}; }));
@@ -118,14 +191,19 @@ TEST(Displacements, LeaveWhatOneDoesNotWantToTheOther) {
 TEST(Displacements, MistakesAreRefused) {
   const Model model(scenes::grid(1, 1, 0, 0, 1, 1));
   std::vector<double> good(4, 1.0), few(3), bad(4, -1.0), infinite(4, std::numeric_limits<double>::infinity());
+  MovingModel moving(model);
+  ASSERT_TRUE(moving.set_motion(model.mesh().positions()));
   for (auto* wrong : {&few, &bad, &infinite}) {
     EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, 0, *wrong); },
                            {"limber::limit_self_displacements", "displacement"}));
     EXPECT_TRUE(is_refused([&] { limit_displacements({model}, {model}, 0, good, *wrong); },
                            {"limber::limit_displacements", "displacement"}));
+    EXPECT_TRUE(
+        is_refused([&] { limit_motions(moving, moving, 0, good, *wrong); }, {"limber::limit_motions", "fraction"}));
   }
   for (const double separation : {-1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
     EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, separation, good); }, {"separation"}));
+    EXPECT_TRUE(is_refused([&] { limit_self_motions(moving, separation, good); }, {"separation"}));
     EXPECT_TRUE(is_refused([&] { limit_displacements({model}, {model}, separation, good); }, {"separation"}));
   }
 }
