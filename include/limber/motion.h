@@ -280,7 +280,7 @@ LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, Impa
 ///          the way. Vertices of elements that are nearer get 0. Rounded down.
 /// Throws   As visit_self_element_pairs(); std::invalid_argument if there are not as many numbers as vertices, one is
 ///          not what it should be, or the separation is not from 0 to 2^200.
-/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin, so one vertex that
+/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin: one vertex that
 ///          would like to go far makes all slow. limit_self_motions() costs less and allows more.
 /// Threads  Reentrant.
 /// Source   The displacement bounds of Offset Geometric Contact [Chen2025], but room that one element does not want is
@@ -292,8 +292,8 @@ LIMBER_API void limit_self_displacements(const Model& model, double separation, 
 LIMBER_API void limit_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
                                     std::span<double> of_b = {});
 
-/// Limits how far each vertex may go along its own motion, at any pace, so that no two elements of a model that share no
-/// vertex come nearer than a separation. Moving away, or sideways at the separation, is free.
+/// Limits how far each vertex may go along its own motion, at any pace, so that no two elements of a model that share
+/// no vertex come nearer than a separation. Moving away, or sideways at the separation, is free.
 ///
 /// Shape    `fractions` has a number for each vertex: how much of its motion it would like to make, from 0 to 1. Those
 ///          that are too large for safety are made smaller, so calls add up.

@@ -95,6 +95,30 @@ class Room {
   double separation_, rounding_;
 };
 
+/// Shares the room of all pairs that a query visits.
+template <typename Visit>
+void share_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
+                         std::span<double> of_b, const char* function, const Visit& visit_pairs) {
+  const Mesh &mesh_a = a.model().mesh(), &mesh_b = b.model().mesh();
+  check_separation(separation, function);
+  check_numbers(of_a, mesh_a.positions().size(), max_coordinate, function);
+  if (!of_b.empty()) check_numbers(of_b, mesh_b.positions().size(), max_coordinate, function);
+  const Room room(pair::PlacedPair(a, b), separation);
+  const auto edges_a = a.model().edges().vertices(), edges_b = b.model().edges().vertices();
+  visit_pairs(
+      room.margin(largest(of_a) + largest(of_b)),
+      [&](const VertexFacePair& pair) {
+        const auto& [p, q, r] = (pair.is_vertex_of_b ? mesh_a : mesh_b).triangles()[pair.triangle];
+        const Wishes wishes = pair.is_vertex_of_b ? Wishes(of_a, of_b, {p, q, r, pair.vertex}, 3)
+                                                  : Wishes(of_a, of_b, {pair.vertex, p, q, r}, 1);
+        return wishes.share(room.at(pair.distance)), true;
+      },
+      [&](const EdgeEdgePair& pair) {
+        const auto &p = edges_a[pair.a], &q = edges_b[pair.b];
+        return Wishes(of_a, of_b, {p[0], p[1], q[0], q[1]}, 2).share(room.at(pair.distance)), true;
+      });
+}
+
 /// The collector of limits along motions.
 class SharedMotions {
  public:
@@ -190,50 +214,21 @@ void limit_motions(const MovingModel& a, const MovingModel& b, double separation
 
 void limit_self_displacements(const Model& model, double separation, std::span<double> displacements) {
   const base::DefaultFloatEnvironment environment;
-  motion::check_separation(separation, "limber::limit_self_displacements");
-  motion::check_numbers(displacements, model.mesh().positions().size(), max_coordinate,
-                        "limber::limit_self_displacements");
   const Placed here{model};
-  const motion::Room room(pair::PlacedPair(here, here), separation);
-  const auto edges = model.edges().vertices();
-  visit_self_element_pairs(
-      model, room.margin(2 * motion::largest(displacements)),
-      [&](const VertexFacePair& pair) {
-        const Corners& face = model.mesh().triangles()[pair.triangle];
-        const std::array<VertexId, 4> vertices{pair.vertex, face[0], face[1], face[2]};
-        return motion::Wishes(displacements, displacements, vertices, 1).share(room.at(pair.distance)), true;
-      },
-      [&](const EdgeEdgePair& pair) {
-        const std::array<VertexId, 4> vertices{edges[pair.a][0], edges[pair.a][1], edges[pair.b][0], edges[pair.b][1]};
-        return motion::Wishes(displacements, displacements, vertices, 2).share(room.at(pair.distance)), true;
-      });
+  motion::share_displacements(here, here, separation, displacements, displacements, "limber::limit_self_displacements",
+                              [&](double margin, VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge) {
+                                visit_self_element_pairs(model, margin, visit_vertex_face, visit_edge_edge);
+                              });
 }
 
 void limit_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
                          std::span<double> of_b) {
   const base::DefaultFloatEnvironment environment;
-  const Mesh &mesh_a = a.model().mesh(), &mesh_b = b.model().mesh();
-  motion::check_separation(separation, "limber::limit_displacements");
-  motion::check_numbers(of_a, mesh_a.positions().size(), max_coordinate, "limber::limit_displacements");
-  if (!of_b.empty()) {
-    motion::check_numbers(of_b, mesh_b.positions().size(), max_coordinate, "limber::limit_displacements");
-  }
   for (const Placed& body : {a, b}) base::check_has_no_radius(body, "limber::limit_displacements");
-  const motion::Room room(pair::PlacedPair(a, b), separation);
-  const auto edges_a = a.model().edges().vertices(), edges_b = b.model().edges().vertices();
-  visit_element_pairs(
-      a, b, room.margin(motion::largest(of_a) + motion::largest(of_b)),
-      [&](const VertexFacePair& pair) {
-        const Corners& face = (pair.is_vertex_of_b ? mesh_a : mesh_b).triangles()[pair.triangle];
-        std::array<VertexId, 4> vertices{pair.vertex, face[0], face[1], face[2]};
-        if (pair.is_vertex_of_b) std::rotate(vertices.begin(), vertices.begin() + 1, vertices.end());
-        const motion::Wishes wishes(of_a, of_b, vertices, pair.is_vertex_of_b ? 3 : 1);
-        return wishes.share(room.at(pair.distance)), true;
-      },
-      [&](const EdgeEdgePair& pair) {
-        const auto &p = edges_a[pair.a], &q = edges_b[pair.b];
-        return motion::Wishes(of_a, of_b, {p[0], p[1], q[0], q[1]}, 2).share(room.at(pair.distance)), true;
-      });
+  motion::share_displacements(a, b, separation, of_a, of_b, "limber::limit_displacements",
+                              [&](double margin, VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge) {
+                                visit_element_pairs(a, b, margin, visit_vertex_face, visit_edge_edge);
+                              });
 }
 
 }  // namespace limber
