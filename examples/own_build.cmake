@@ -18,7 +18,15 @@ endif()
 file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/cloth.obj CONTENT "v 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\n")
 file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/body.obj CONTENT "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
 
-# add_page(PAGE NAME OUTPUT): the program of a page, and a regular expression that its output matches.
+# For the page on motion, a cloth of four squares above a floor with a pyramid.
+file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/falling/cloth.obj CONTENT "v 2 2 5\nv 6 2 5\nv 11 2 5\nv 2 6 5\nv 6 7 5
+v 11 6 5\nv 2 11 5\nv 6 11 5\nv 11 11 5\nf 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\nf 5 6 9 8\n")
+file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/falling/body.obj CONTENT "v -9 -9 0\nv 21 -9 0\nv 21 21 0\nv -9 21 0
+v 2 2 0\nv 10 2 0\nv 10 10 0\nv 2 10 0\nv 6 6 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+f 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n")
+
+# add_page(PAGE NAME OUTPUT [FOLDER]): the program of a page, and a regular expression that its output matches; with
+# the meshes of another folder.
 function(add_page page name output)
   set(file ${limber_SOURCE_DIR}/${page})
   file(READ ${file} text)
@@ -36,12 +44,13 @@ function(add_page page name output)
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp CONTENT "${program}" @ONLY)
   add_executable(example_${name} ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
   target_link_libraries(example_${name} PRIVATE limber::limber limber::io)
-  add_test(NAME example.${name} COMMAND example_${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  add_test(NAME example.${name} COMMAND example_${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${ARGN})
   set_tests_properties(example.${name} PROPERTIES PASS_REGULAR_EXPRESSION "${output}")
 endfunction()
 
 add_page(README.md readme "to 1.5 apart.*to 0.5 apart\n.*closer than 0.75\nframe 3: 0 to 0 apart\n.*touching\n$")
 add_page(docs/guide/contacts.md contacts_page "^frame 2: .*gap 0.5\nframe 3: triangles 0 and 0, gap 0\n$")
+add_page(docs/guide/motion.md motion_page "^(0\\.01[0-9]+ apart\n)+$" falling)
 add_page(docs/guide/deadlines.md deadlines_page "tick 0: .* apart.*tick 3: .* to 0.4 apart")
 add_page(docs/guide/scenes.md scenes_page "frame 3: 0 and 1, 0.4 apart\n$")
 add_page(docs/guide/solids.md solids_page "^pipe at -3: clear\npipe at -2: touches\npipe at -1: clash\n$")

@@ -280,7 +280,8 @@ LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, Impa
 ///          the way. Vertices of elements that are nearer get 0. Rounded down.
 /// Throws   As visit_self_element_pairs(); std::invalid_argument if there are not as many numbers as vertices, one is
 ///          not what it should be, or the separation is not from 0 to 2^200.
-/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin.
+/// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin: one vertex that
+///          would like to go far makes all slow. limit_self_motions() costs less and allows more.
 /// Threads  Reentrant.
 /// Source   The displacement bounds of Offset Geometric Contact [Chen2025], but room that one element does not want is
 ///          left to the other.
@@ -290,5 +291,23 @@ LIMBER_API void limit_self_displacements(const Model& model, double separation, 
 /// model b without numbers stands still. `of_a` and `of_b` must not overlap.
 LIMBER_API void limit_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
                                     std::span<double> of_b = {});
+
+/// Limits how far each vertex may go along its own motion, at any pace, so that no two elements of a model that share
+/// no vertex come nearer than a separation. Moving away, or sideways at the separation, is free.
+///
+/// Shape    `fractions` has a number for each vertex: how much of its motion it would like to make, from 0 to 1. Those
+///          that are too large for safety are made smaller, so calls add up.
+/// Promise  Wherever each vertex is between its start and its fraction of the motion, whatever the others do, elements
+///          that are at least the separation apart at the start stay so, and nearer ones keep their distance, but for
+///          the rounding of positions, 2^-47 of the largest coordinate. Elements that touch stay where they are.
+/// Throws   As self_time_of_impact(); std::invalid_argument if there are not as many numbers as vertices, one is not
+///          from 0 to 1, or the separation is not from 0 to 2^200.
+/// Cost     Twice that of visit_self_impact_candidates(): each vertex is looked at along its own way.
+/// Threads  Reentrant.
+LIMBER_API void limit_self_motions(const MovingModel& model, double separation, std::span<double> fractions);
+
+/// Limits the motions of two models, for pairs of elements of both. A model b without numbers stays at its start.
+LIMBER_API void limit_motions(const MovingModel& a, const MovingModel& b, double separation,
+                                    std::span<double> of_a, std::span<double> of_b = {});
 
 }  // namespace limber

@@ -173,6 +173,11 @@ FloatArray limit_self_displacements_of(ModelObject& model, double separation, co
   return array_of_numbers(limits);
 }
 
+Named<"DisplacementLimits"> limits_of(const std::vector<double>& of_a, const std::vector<double>& of_b, nb::handle b) {
+  const auto allowed_b = b.is_none() ? std::nullopt : std::optional<FloatArray>(array_of_numbers(of_b));
+  return result("DisplacementLimits", "of_a"_a = array_of_numbers(of_a), "of_b"_a = allowed_b);
+}
+
 Named<"DisplacementLimits"> limit_displacements_of(ModelObject& a, ModelObject& b, double separation,
                                                    const ArrayLike& of_a, nb::handle of_b, const PoseLike& pose_a,
                                                    const PoseLike& pose_b) {
@@ -180,8 +185,23 @@ Named<"DisplacementLimits"> limit_displacements_of(ModelObject& a, ModelObject& 
   if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
   const PlacedPair pair(a, b, pose_a, pose_b);
   without_gil([&] { limit_displacements(pair.a(), pair.b(), separation, limits_a, limits_b); });
-  const auto allowed_b = of_b.is_none() ? std::nullopt : std::optional<FloatArray>(array_of_numbers(limits_b));
-  return result("DisplacementLimits", "of_a"_a = array_of_numbers(limits_a), "of_b"_a = allowed_b);
+  return limits_of(limits_a, limits_b, of_b);
+}
+
+FloatArray limit_self_motions_of(MovingModelObject& model, double separation, const ArrayLike& fractions) {
+  std::vector<double> limits = displacements_from(fractions, "fractions");
+  const auto use = model.use();
+  without_gil([&] { limit_self_motions(use.moving, separation, limits); });
+  return array_of_numbers(limits);
+}
+
+Named<"DisplacementLimits"> limit_motions_of(MovingModelObject& a, MovingModelObject& b, double separation,
+                                             const ArrayLike& of_a, nb::handle of_b) {
+  std::vector<double> limits_a = displacements_from(of_a, "of_a"), limits_b;
+  if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
+  const auto use_a = a.use(), use_b = b.use();
+  without_gil([&] { limit_motions(use_a.moving, use_b.moving, separation, limits_a, limits_b); });
+  return limits_of(limits_a, limits_b, of_b);
 }
 
 // --- rigid bodies ---
@@ -305,6 +325,10 @@ void bind_moving_models(nb::module_& m) {
         "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         (std::string(docs::limit_displacements) + "\n\nReturns  The limits of both, as new arrays of_a and of_b.")
             .c_str());
+  m.def("limit_self_motions", &limit_self_motions_of, "model"_a, "separation"_a, "fractions"_a,
+        (std::string(docs::limit_self_motions) + "\n\nReturns  The fractions, as a new array.").c_str());
+  m.def("limit_motions", &limit_motions_of, "a"_a, "b"_a, "separation"_a, "of_a"_a, "of_b"_a = nb::none(),
+        (std::string(docs::limit_motions) + "\n\nReturns  The fractions, as new arrays of_a and of_b.").c_str());
 }
 
 void bind_element_states(nb::module_& m) {

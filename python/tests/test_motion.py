@@ -175,6 +175,16 @@ def test_displacements_are_limited(plate: limber3d.Model) -> None:
             limber3d.limit_self_displacements(plate, 0.0, wrong)
 
 
+def test_moves_away_and_sideways_are_free(plate: limber3d.Model) -> None:
+    high = limber3d.Model(plate.vertices + [0, 0, 0.5], plate.faces)
+    moving, still = limber3d.MovingModel(high), limber3d.MovingModel(plate)
+    still.set_motion(plate.vertices)
+    for move, allowed in (([0, 0, 1], 1), ([0.25, 0, 0], 1), ([0, 0, -1], 0.25)):
+        moving.set_motion(high.vertices + move)
+        wishes = limber3d.limit_self_motions(moving, 0.25, [1.0] * 4)
+        assert limber3d.limit_motions(moving, still, 0.25, wishes).of_a == pytest.approx(allowed)
+
+
 def test_rigid_bodies_go_along_a_path(ball: limber3d.Model, plate: limber3d.Model) -> None:
     falls = limber3d.RigidMotion(([1, 0, 0, 0], [0, 0, 3]), ([1, 0, 0, 0], [0, 0, -1]))
     stands = limber3d.RigidMotion()

@@ -214,11 +214,25 @@ Vec3 unit_or_none(const Vec3& v) {
   return v_sq > 0 ? v * (1 / std::sqrt(v_sq)) : Vec3{};
 }
 
-/// A direction from a to b that is out of a and into b; 0 if there is none.
+double longest_edge_sq(const Triangle& t) {
+  return std::max({length_sq(t.v1 - t.v0), length_sq(t.v2 - t.v1), length_sq(t.v0 - t.v2)});
+}
+
+/// How far a triangle reaches behind another one of unit normal n: from next to 0, which is rounding, to 1, no longer
+/// shallow.
+double reach(const Vec3& n, const Triangle& plane, const Triangle& other, double shallow_sq) {
+  const double behind = std::max({dot(n, plane.v0), dot(n, plane.v1), dot(n, plane.v2)}) -
+                        std::min({dot(n, other.v0), dot(n, other.v1), dot(n, other.v2)});
+  const double part = std::clamp(behind * std::max(behind, 0.0) / shallow_sq, 0x1p-80, 1.0);
+  return part * part;
+}
+
+/// A direction from a to b that is out of a and into b; 0 if there is none. `local` is a and b near the origin.
 ///
-/// A face without an outside turns to the other as far as it faces it, so that nothing jumps where they are at right
-/// angles.
-Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
+/// The normal of a face counts as much as the other face is reached through, but at least so much that the direction
+/// does not lead back through it. A face without an outside turns to the other as far as it faces it, so that nothing
+/// jumps where they are at right angles.
+Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented, const std::array<Triangle, 2>& local) {
   const Vec3 outside_a = outside_of(a), outside_b = outside_of(b);
   const double along = dot(outside_a, outside_b);
   // Faces that look the same way within 30 degrees: the difference of their normals lies along both of them, and parts
@@ -230,7 +244,11 @@ Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
   const Vec3 n_a = unit_or_none(outside_a), n_b = unit_or_none(outside_b);
   if (oriented == OrientedFaces::of_a) return n_a + dot(n_a, n_b) * n_b;
   if (oriented == OrientedFaces::of_b) return -(n_b + dot(n_a, n_b) * n_a);
-  return n_a - n_b;
+  if (max_abs(n_a) == 0 || max_abs(n_b) == 0) return n_a - n_b;
+  const double size_sq = std::max(std::min(longest_edge_sq(local[0]), longest_edge_sq(local[1])), 0x1p-1000);
+  const double of_a = reach(n_b, local[1], local[0], simd::shallow_part_sq * size_sq);
+  const double of_b = reach(n_a, local[0], local[1], simd::shallow_part_sq * size_sq);
+  return std::max(of_a, dot(n_a, n_b) * of_b) * n_a - std::max(of_b, dot(n_a, n_b) * of_a) * n_b;
 }
 
 /// How the normal from a to b, which are apart, lies to their outsides.
@@ -273,7 +291,8 @@ void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, Triangle
   contact.depth = pair.depth(normal);
   LIMBER_ASSERT(contact.depth >= 0);
   if (oriented == OrientedFaces::none) return;
-  const Vec3 way = out_of_a(a, b, oriented);
+  const Triangle &local_a = in_order ? pair.first() : pair.second(), &local_b = in_order ? pair.second() : pair.first();
+  const Vec3 way = out_of_a(a, b, oriented, {local_a, local_b});
   if (max_abs(way) == 0) return;
   contact.normal = unit(way);
   contact.normal_side = NormalSide::outward;

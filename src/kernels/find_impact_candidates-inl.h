@@ -39,10 +39,35 @@ LIMBER_KERNEL void combine(const bvh::MovingLeaf& leaf, double of_start, double 
   }
 }
 
+/// At any pace a direction has to keep elements apart in all combinations of starts and ends. All is relative to the
+/// center of a at the start.
+LIMBER_KERNEL void find_at_any_pace(const bvh::MovingLeaf& a, const bvh::MovingLeaf& b, double separation,
+                                    OwnedElements owned_by_a, OwnedElements owned_by_b, const SelfPair* self,
+                                    ElementCandidates& found) {
+  double offset[4][3], size = 0;  // of starts and ends, those of a first
+  for (int k = 0; k < 12; ++k) {
+    offset[k / 3][k % 3] = (k < 6 ? a : b).center[k / 3 % 2][k % 3] - a.center[0][k % 3];
+    size = std::max(size, std::abs(offset[k / 3][k % 3]));
+  }
+  const double scale = scale_to_one(
+      std::clamp(size + std::max(a.unit[0], a.unit[1]) + std::max(b.unit[0], b.unit[1]), 0x1p-900, 0x1p900));
+  LeafCorners c[4];
+  for (int k = 0; k < 4; ++k) {
+    const bvh::MovingLeaf& leaf = k < 2 ? a : b;
+    float shift[3];
+    for (int axis = 0; axis < 3; ++axis) shift[axis] = static_cast<float>(offset[k][axis] * scale);
+    combine(leaf, k % 2 == 0 ? scale * leaf.unit[0] : 0, k % 2 == 0 ? 0 : scale * leaf.unit[1], shift, c[k]);
+  }
+  const LeafCorners ca[4] = {c[0], c[1], c[0], c[1]}, cb[4] = {c[2], c[3], c[3], c[2]};
+  const float limit = base::float_up(std::min(separation * scale, base::max_units)) + base::leaf_pair_error;
+  find_elements(ca, cb, limit, owned_by_a, owned_by_b, self, found);
+}
+
 LIMBER_KERNEL void find_impact_candidates(const bvh::MovingLeaf& a, const bvh::MovingLeaf& b,
                                           const MotionLimits& limits, OwnedElements owned_by_a,
                                           OwnedElements owned_by_b, const SelfPair* self, ElementCandidates& found) {
   found.vertex_face.count = found.face_vertex.count = found.edge_edge.count = 0;
+  if (limits.at_any_pace) return find_at_any_pace(a, b, limits.separation, owned_by_a, owned_by_b, self, found);
   // From the center of a to that of b, and the size of the pair, at the start and at the last time that matters.
   // Centers are exact, so all rounding is in proportion to that size.
   const double last = limits.max_time;

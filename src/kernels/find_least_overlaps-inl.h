@@ -46,6 +46,7 @@ struct AxesLanes {
     return (least > extent * extent * number(0x1p-60)) &
            (length_sq(normal) > edge_sq[0] * edge_sq[1] * number(0x1p-20));
   }
+  LIMBER_KERNEL Quad longest_sq() const { return max(max(edge_sq[0], edge_sq[1]), edge_sq[2]); }
   /// A vector perpendicular to both; src/geometry/triangle_contact.cpp says how near.
   LIMBER_KERNEL static Quad3 perpendicular(const Quad3& e, Quad e_sq, const Quad3& f, Quad f_sq) {
     const Quad3 n = cross(e, f);
@@ -106,16 +107,29 @@ LIMBER_KERNEL Quad order_of(const TriangleLanes& a, const TriangleLanes& b) {
   return order;
 }
 
+/// reach() of src/geometry/triangle_contact.cpp, with a normal of any length.
+LIMBER_KERNEL Quad reach(const Quad3& n, const TriangleLanes& plane, const TriangleLanes& other, Quad shallow_sq) {
+  const Triple<Quad> at_plane{dot(n, plane.corner[0]), dot(n, plane.corner[1]), dot(n, plane.corner[2])};
+  const Triple<Quad> at{dot(n, other.corner[0]), dot(n, other.corner[1]), dot(n, other.corner[2])};
+  const Quad behind = max(max(at_plane.x, at_plane.y), at_plane.z) - min(min(at.x, at.y), at.z);
+  const Quad part = behind * max(behind, number(0)) / (length_sq(n) * shallow_sq);
+  const Quad clamped = min(max(part, number(0x1p-80)), number(1));
+  return clamped * clamped;
+}
+
 /// out_of_a() of src/geometry/triangle_contact.cpp; 0 where there is no such direction.
-LIMBER_KERNEL Quad3 out_of_a(const Quad3& normal_a, const Quad3& normal_b, Quad has_outside_a, Quad has_outside_b) {
+LIMBER_KERNEL Quad3 out_of_a(const Quad3& normal_a, const Quad3& normal_b, Quad has_outside_a, Quad has_outside_b,
+                             Quad weight_a, Quad weight_b) {
   const Quad zero = number(0), a_sq = length_sq(normal_a), b_sq = length_sq(normal_b), along = dot(normal_a, normal_b);
   const QuadMask oriented_a = has_outside_a > zero, oriented_b = has_outside_b > zero;
+  const QuadMask are_both = oriented_a & oriented_b;
   const QuadMask look_alike = (along > zero) & (along * along > a_sq * b_sq * number(0.75));
   const Quad3 n_a = normal_a * (number(1) / sqrt(a_sq)), n_b = normal_b * (number(1) / sqrt(b_sq));
   const Quad cosine = dot(n_a, n_b);
-  const Quad of_a = select(oriented_a, number(1), cosine * number(-1));
-  const Quad of_b = select(oriented_b, number(-1), cosine);
-  const Quad is_way = select(oriented_a & oriented_b & look_alike, zero, max(has_outside_a, has_outside_b));
+  const Quad of_both_a = max(weight_a, cosine * weight_b), of_both_b = max(weight_b, cosine * weight_a);
+  const Quad of_a = select(are_both, of_both_a, select(oriented_a, number(1), cosine * number(-1)));
+  const Quad of_b = select(are_both, of_both_b * number(-1), select(oriented_b, number(-1), cosine));
+  const Quad is_way = select(are_both & look_alike, zero, max(has_outside_a, has_outside_b));
   return (n_a * of_a + n_b * of_b) * is_way;
 }
 
@@ -140,8 +154,12 @@ LIMBER_KERNEL void find_least_overlaps(const TrianglePairs& pairs, LeastOverlaps
     }
     const Quad3 normal = least.axis * (number(1) / sqrt(least.axis_sq));
     depth_along(normal, first, second).store(found.depth + i);
-    const Quad3 way = out_of_a(axes_a.normal, axes_b.normal, Quad::load(pairs.has_outside_a + i),
-                               Quad::load(pairs.has_outside_b + i));
+    const Quad shallow_sq = min(axes_a.longest_sq(), axes_b.longest_sq()) * number(shallow_part_sq);
+    const Quad of_second = reach(axes_first.normal, first, second, shallow_sq);
+    const Quad of_first = reach(axes_second.normal, second, first, shallow_sq);
+    const Quad3 way =
+        out_of_a(axes_a.normal, axes_b.normal, Quad::load(pairs.has_outside_a + i), Quad::load(pairs.has_outside_b + i),
+                 select(in_order, of_first, of_second), select(in_order, of_second, of_first));
     const Quad way_sq = length_sq(way);
     const QuadMask is_outward = way_sq > zero;
     store(select(is_outward, way * (number(1) / sqrt(way_sq)), normal * order), found.normal + i);

@@ -4,16 +4,22 @@
 // Two elements at a distance d stay at least the separation s apart if the vertices of one go no farther than x and
 // those of the other no farther than y, with x + y = d - s: a point of an element goes no farther than its farthest
 // vertex. Pairs are taken one after the other. Numbers only become smaller, so what a pair has been given stays safe.
+// Along motions the same is said of two parallel planes that are between the elements, a gap d apart: vertices may
+// approach along their normal by x and y. What leads away or sideways is free.
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
+#include "geometry/primitives.h"
 #include "limber/motion.h"
+#include "motion/impact_search.h"
+#include "motion/moving_pair.h"
 #include "pair/placed_pair.h"
 
 namespace limber {
@@ -23,82 +29,64 @@ namespace {
 // Rounds numbers down that have been computed by a few operations.
 constexpr double inward = 1 - 0x1p-40;
 
-bool is_length(double x) { return x >= 0 && x <= max_coordinate; }
-
-void check_displacements(std::span<const double> displacements, const Mesh& mesh, const char* function) {
-  LIMBER_REQUIRE(displacements.size() == mesh.positions().size(),
-                 (std::string(function) + ": there must be a displacement for each vertex").c_str());
-  LIMBER_REQUIRE(std::all_of(displacements.begin(), displacements.end(), is_length),
-                 (std::string(function) + ": displacements must be from 0 to 2^200").c_str());
+/// Displacements are up to 2^200, fractions up to 1.
+void check_numbers(std::span<const double> numbers, std::size_t vertex_count, double most, const char* function) {
+  const std::string what = std::string(function) + (most == 1 ? ": fraction" : ": displacement");
+  LIMBER_REQUIRE(numbers.size() == vertex_count, (what + "s: there must be one for each vertex").c_str());
+  LIMBER_REQUIRE(std::all_of(numbers.begin(), numbers.end(), [&](double x) { return x >= 0 && x <= most; }),
+                 (what + (most == 1 ? "s must be from 0 to 1" : "s must be from 0 to 2^200")).c_str());
 }
 
 void check_separation(double separation, const char* function) {
-  LIMBER_REQUIRE(is_length(separation), (std::string(function) + ": the separation must be from 0 to 2^200").c_str());
+  LIMBER_REQUIRE(separation >= 0 && separation <= max_coordinate,
+                 (std::string(function) + ": the separation must be from 0 to 2^200").c_str());
 }
 
 double largest(std::span<const double> numbers) {
   return numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
 }
 
-/// The displacements of the vertices of one model; none if it stands still.
-class Displacements {
- public:
-  explicit Displacements(std::span<double> of_vertices) : of_vertices_(of_vertices) {}
+/// What the corners of two elements would like to do.
+struct Wishes {
+  std::size_t count;                // of corners of the first element; the others are those of the second
+  std::array<double*, 4> number{};  // what limits a corner; null if it stays
+  std::array<double, 4> approach{};
 
-  double largest_of(std::span<const VertexId> vertices) const {
-    double most = 0;
-    for (const VertexId v : vertices) most = std::max(most, of(v));
-    return most;
-  }
-  void limit(std::span<const VertexId> vertices, double most) {
-    for (const VertexId v : vertices) {
-      if (!of_vertices_.empty()) of_vertices_[v] = std::min(of_vertices_[v], most);
+  Wishes(std::span<double> of_a, std::span<double> of_b, const std::array<VertexId, 4>& vertices, std::size_t of_first)
+      : count(of_first) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::span<double> numbers = i < count ? of_a : of_b;
+      if (!numbers.empty()) number[i] = &numbers[vertices[i]], approach[i] = *number[i];
     }
   }
+  double first_wants() const { return std::max(0.0, *std::max_element(approach.begin(), approach.begin() + count)); }
+  double second_wants() const { return std::max(0.0, *std::max_element(approach.begin() + count, approach.end())); }
 
- private:
-  double of(VertexId v) const { return of_vertices_.empty() ? 0 : of_vertices_[v]; }
-
-  std::span<double> of_vertices_;
+  /// Shares the room between two elements; but for rounding.
+  void share(double room, double rounding = 0) const {
+    const double first = first_wants(), second = second_wants();
+    if (first + second <= room + rounding) return;
+    // What one does not want of its half is left to the other.
+    const double half = 0.5 * room;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double most = std::max(half, room - (i < count ? second : first));
+      if (approach[i] > most + rounding) *number[i] *= most / approach[i] * inward;
+    }
+  }
 };
-
-/// Shares the room between two elements.
-void share(double room, Displacements& a, std::span<const VertexId> of_a, Displacements& b,
-           std::span<const VertexId> of_b) {
-  room = std::max(room, 0.0);
-  const double wants_a = a.largest_of(of_a), wants_b = b.largest_of(of_b);
-  if (wants_a + wants_b <= room) return;
-  // What one does not want of its half is left to the other.
-  const double half = 0.5 * room;
-  a.limit(of_a, wants_b < half ? (room - wants_b) * inward : half);
-  b.limit(of_b, wants_a < half ? (room - wants_a) * inward : half);
-}
 
 /// How much room pairs of elements have beyond the separation.
 class Room {
  public:
-  Room(const pair::PlacedPair& placed, const Placed& a, const Placed& b, double separation)
-      : mesh_a_(a.model().mesh()),
-        mesh_b_(b.model().mesh()),
-        separation_(separation),
-        rounding_(distance_errors * placed.error()) {}
+  Room(const pair::PlacedPair& placed, double separation)
+      : separation_(separation), rounding_(distance_errors * placed.error()) {}
 
   /// That of elements at a distance, rounded down.
-  double at(double distance) const { return (distance * inward - separation_ - rounding_) * inward; }
+  double at(double distance) const { return std::max((distance * inward - separation_ - rounding_) * inward, 0.0); }
   /// Elements that are farther apart have more room than is wanted.
   double margin(double wanted) const { return (separation_ + wanted + rounding_) / (inward * inward * inward); }
 
-  void limit_vertex_face(const VertexFacePair& pair, Displacements& a, Displacements& b) const {
-    const std::array<VertexId, 1> vertex{pair.vertex};
-    if (pair.is_vertex_of_b) {
-      share(at(pair.distance), a, mesh_a_.triangles()[pair.triangle], b, vertex);
-    } else {
-      share(at(pair.distance), a, vertex, b, mesh_b_.triangles()[pair.triangle]);
-    }
-  }
-
  private:
-  const Mesh &mesh_a_, &mesh_b_;
   // The part of a distance's error that does not grow with it is at most that of placing vertices, 2^-45 of the
   // magnitude of the query, and 2^-46 of an extent that is at most twice the magnitude. The other part is within
   // `inward`.
@@ -107,49 +95,140 @@ class Room {
   double separation_, rounding_;
 };
 
+/// Shares the room of all pairs that a query visits.
+template <typename Visit>
+void share_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
+                         std::span<double> of_b, const char* function, const Visit& visit_pairs) {
+  const Mesh &mesh_a = a.model().mesh(), &mesh_b = b.model().mesh();
+  check_separation(separation, function);
+  check_numbers(of_a, mesh_a.positions().size(), max_coordinate, function);
+  if (!of_b.empty()) check_numbers(of_b, mesh_b.positions().size(), max_coordinate, function);
+  const Room room(pair::PlacedPair(a, b), separation);
+  const auto edges_a = a.model().edges().vertices(), edges_b = b.model().edges().vertices();
+  visit_pairs(
+      room.margin(largest(of_a) + largest(of_b)),
+      [&](const VertexFacePair& pair) {
+        const auto& [p, q, r] = (pair.is_vertex_of_b ? mesh_a : mesh_b).triangles()[pair.triangle];
+        const Wishes wishes = pair.is_vertex_of_b ? Wishes(of_a, of_b, {p, q, r, pair.vertex}, 3)
+                                                  : Wishes(of_a, of_b, {pair.vertex, p, q, r}, 1);
+        return wishes.share(room.at(pair.distance)), true;
+      },
+      [&](const EdgeEdgePair& pair) {
+        const auto &p = edges_a[pair.a], &q = edges_b[pair.b];
+        return Wishes(of_a, of_b, {p[0], p[1], q[0], q[1]}, 2).share(room.at(pair.distance)), true;
+      });
+}
+
+/// The collector of limits along motions.
+class SharedMotions {
+ public:
+  static constexpr bool at_any_pace = true;
+
+  SharedMotions(const MovingPair& models, double separation, std::span<double> of_a, std::span<double> of_b)
+      : models_(models), separation_(separation), of_a_(of_a), of_b_(of_b) {}
+
+  double max_time() const { return 1; }
+  bool is_done() const { return false; }
+  bool wants_contacts_only() const { return false; }
+
+  void compare(const ElementPair& pair, const MovingElements& elements) {
+    using enum ElementPair::Kind;
+    const Vec3(&start)[4] = elements.corners[0], (&end)[4] = elements.corners[1];
+    const std::size_t count = pair.kind == edge_edge ? 2 : pair.kind == vertex_face ? 1 : 3;
+    Wishes wishes(of_a_, of_b_, models_.vertices(pair), count);
+    Vec3 at[4], way[4];
+    double rounding = 0;  // of positions
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t k = pair.kind == face_vertex ? (i + 1) % 4 : i;  // of `elements` the vertex is the first
+      at[i] = start[k] - start[0], way[i] = wishes.approach[i] * (end[k] - start[k]);
+      rounding = std::max({rounding, 0x1p-47 * max_abs(start[k]), 0x1p-47 * max_abs(end[k])});
+      wishes.approach[i] = length(way[i]);
+    }
+    const ClosestPoints closest =
+        count == 2 ? geometry::closest_points(Segment{start[0], start[1]}, Segment{start[2], start[3]})
+                   : geometry::closest_points(start[0], Triangle{start[1], start[2], start[3]});
+    if (closest.distance <= rounding) return wishes.share(0);
+    // Normals of planes: between the closest points; that of the face, or across both edges; and where these may be
+    // parallel, across one and the motion as seen from the other, and across one alone.
+    const Vec3 shortest = closest.point_b - closest.point_a;
+    const Vec3 edge = count == 2 ? start[1] - start[0] : start[2] - start[1];
+    std::array<Vec3, 4> normals{cross(edge, count == 2 ? start[3] - start[2] : start[3] - start[1]), shortest};
+    if (count == 2) {
+      const auto across = [&](const Vec3& v) {
+        return v - edge * (dot(edge, v) / std::max(length_sq(edge), 0x1p-1000));
+      };
+      normals[2] = cross(edge, way[0] + way[1] - way[2] - way[3]);
+      normals[3] = across(across(shortest));  // again: rounding has left something along the edge
+    }
+    const double kept = std::min(separation_, closest.distance);
+    double best_room = 0, best = -1;  // the part of their wishes that elements are granted; without planes they stay
+    Wishes chosen = wishes;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double size = length(normals[k / 2]);
+      if (!(size > 0)) continue;
+      const Vec3 n = (k % 2 == 0 ? 1 / size : -1 / size) * normals[k / 2];
+      double first = -std::numeric_limits<double>::infinity(), second = -first;
+      for (std::size_t i = 0; i < 4; ++i) {
+        wishes.approach[i] = (i < count ? 1 : -1) * dot(n, way[i]);
+        i < count ? first = std::max(first, dot(n, at[i])) : second = std::min(second, dot(n, at[i]));
+      }
+      const double gap = second - first, room = std::max(gap - kept, 0.0);
+      const double wanted = wishes.first_wants() + wishes.second_wants();
+      if (gap <= 0 || gap < kept - rounding) continue;  // no planes are between them
+      if (wanted <= room + rounding) return;
+      if (room > best * wanted) best = room / wanted, best_room = room, chosen = wishes;
+    }
+    chosen.share(best_room, rounding);
+  }
+
+ private:
+  const MovingPair& models_;
+  double separation_;
+  std::span<double> of_a_, of_b_;
+};
+
+void share_motions(const MovingPair& models, double separation, std::span<double> of_a, std::span<double> of_b,
+                   const char* function) {
+  check_separation(separation, function);
+  check_numbers(of_a, models.model(Side::a).start.size(), 1, function);
+  if (!of_b.empty()) check_numbers(of_b, models.model(Side::b).start.size(), 1, function);
+  SharedMotions collector(models, separation, of_a, of_b);
+  pair::BudgetMeter meter;  // without limits
+  ImpactSearch<SharedMotions>(models, separation, collector).run(meter);
+}
+
 }  // namespace
 }  // namespace motion
 
+void limit_self_motions(const MovingModel& model, double separation, std::span<double> fractions) {
+  const base::DefaultFloatEnvironment environment;
+  motion::share_motions({model, "limber::limit_self_motions"}, separation, fractions, fractions,
+                        "limber::limit_self_motions");
+}
+
+void limit_motions(const MovingModel& a, const MovingModel& b, double separation, std::span<double> of_a,
+                   std::span<double> of_b) {
+  const base::DefaultFloatEnvironment environment;
+  motion::share_motions({a, b, "limber::limit_motions"}, separation, of_a, of_b, "limber::limit_motions");
+}
+
 void limit_self_displacements(const Model& model, double separation, std::span<double> displacements) {
   const base::DefaultFloatEnvironment environment;
-  motion::check_separation(separation, "limber::limit_self_displacements");
-  motion::check_displacements(displacements, model.mesh(), "limber::limit_self_displacements");
   const Placed here{model};
-  const motion::Room room(pair::PlacedPair(here, here), here, here, separation);
-  motion::Displacements own(displacements);
-  const auto edges = model.edges().vertices();
-  visit_self_element_pairs(
-      model, room.margin(2 * motion::largest(displacements)),
-      [&](const VertexFacePair& pair) {
-        room.limit_vertex_face(pair, own, own);
-        return true;
-      },
-      [&](const EdgeEdgePair& pair) {
-        motion::share(room.at(pair.distance), own, edges[pair.a], own, edges[pair.b]);
-        return true;
-      });
+  motion::share_displacements(here, here, separation, displacements, displacements, "limber::limit_self_displacements",
+                              [&](double margin, VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge) {
+                                visit_self_element_pairs(model, margin, visit_vertex_face, visit_edge_edge);
+                              });
 }
 
 void limit_displacements(const Placed& a, const Placed& b, double separation, std::span<double> of_a,
                          std::span<double> of_b) {
   const base::DefaultFloatEnvironment environment;
-  motion::check_separation(separation, "limber::limit_displacements");
-  motion::check_displacements(of_a, a.model().mesh(), "limber::limit_displacements");
-  if (!of_b.empty()) motion::check_displacements(of_b, b.model().mesh(), "limber::limit_displacements");
   for (const Placed& body : {a, b}) base::check_has_no_radius(body, "limber::limit_displacements");
-  const motion::Room room(pair::PlacedPair(a, b), a, b, separation);
-  motion::Displacements displacements_a(of_a), displacements_b(of_b);
-  const auto edges_a = a.model().edges().vertices(), edges_b = b.model().edges().vertices();
-  visit_element_pairs(
-      a, b, room.margin(motion::largest(of_a) + motion::largest(of_b)),
-      [&](const VertexFacePair& pair) {
-        room.limit_vertex_face(pair, displacements_a, displacements_b);
-        return true;
-      },
-      [&](const EdgeEdgePair& pair) {
-        motion::share(room.at(pair.distance), displacements_a, edges_a[pair.a], displacements_b, edges_b[pair.b]);
-        return true;
-      });
+  motion::share_displacements(a, b, separation, of_a, of_b, "limber::limit_displacements",
+                              [&](double margin, VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge) {
+                                visit_element_pairs(a, b, margin, visit_vertex_face, visit_edge_edge);
+                              });
 }
 
 }  // namespace limber

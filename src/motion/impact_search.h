@@ -44,11 +44,15 @@ struct ImpactSearchPart {
 ///          bool is_done() const;              // nothing else matters
 ///          bool wants_contacts_only() const;  // pairs that certainly do not touch may be left out
 ///          void compare(const ElementPair& pair, const MovingElements& elements);
+/// With at_any_pace, it is offered pairs that may be near if each vertex is anywhere on its way, whatever others do.
 template <typename Collector>
 class ImpactSearch {
  public:
   ImpactSearch(const MovingPair& models, double separation, Collector& collector)
-      : models_(models), collector_(collector), kernels_(simd::kernels()), limits_{collector.max_time(), separation} {}
+      : models_(models),
+        collector_(collector),
+        kernels_(simd::kernels()),
+        limits_{collector.max_time(), separation, at_any_pace} {}
 
   void run(pair::BudgetMeter& meter) {
     push(roots);
@@ -96,6 +100,7 @@ class ImpactSearch {
   QueryStats stats{};
 
  private:
+  static constexpr bool at_any_pace = requires { requires Collector::at_any_pace; };
   static constexpr SlotPair roots{{bvh::root_slot, bvh::root_slot}, 0};
 
   bool are_leaves(const SlotPair& pair) const {
@@ -120,6 +125,16 @@ class ImpactSearch {
     size_ = 0;
   }
 
+  /// The box of a slot; at any pace the one around those of both ends, at both.
+  bvh::MovingBox box(Side s, bvh::SlotId slot) const {
+    bvh::MovingBox box = models_.box(s, slot);
+    for (std::uint32_t axis = 0; at_any_pace && axis < 3; ++axis) {
+      box.low[0][axis] = box.low[1][axis] = std::min(box.low[0][axis], box.low[1][axis]);
+      box.high[0][axis] = box.high[1][axis] = std::max(box.high[0][axis], box.high[1][axis]);
+    }
+    return box;
+  }
+
   void push(const SlotPair& pair) {
     LIMBER_ASSERT(size_ < capacity);
     stack_[size_++] = pair;
@@ -140,7 +155,7 @@ class ImpactSearch {
     const std::size_t own = index(side), other = 1 - own;
     const std::uint32_t node = bvh::child_of(models_.tree(side), pair.slot[own]);
     const std::uint32_t begin = size_;
-    push_meeting(side, node, models_.box(pair::other(side), pair.slot[other]), ~0U, [&](bvh::SlotId child) {
+    push_meeting(side, node, box(pair::other(side), pair.slot[other]), ~0U, [&](bvh::SlotId child) {
       SlotPair of_child = pair;
       of_child.slot[own] = child;
       return of_child;
@@ -156,7 +171,7 @@ class ImpactSearch {
     const std::uint32_t begin = size_;
     for (std::uint32_t k = 0; k + 1 < count; ++k) {
       const unsigned after = ~0U << (k + 1);
-      push_meeting(Side::a, node, models_.box(Side::a, first + k), after, [&](bvh::SlotId child) {
+      push_meeting(Side::a, node, box(Side::a, first + k), after, [&](bvh::SlotId child) {
         return SlotPair{{first + k, child}, 0};
       });
     }

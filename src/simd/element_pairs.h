@@ -51,9 +51,11 @@ struct MovingPairs {
   Vec3 u[2][room]{}, v[2][room]{}, w[2][room]{};
 };
 
-/// What a query of two moving models prunes: pairs that are farther apart than `separation` until `max_time`.
+/// What a query of two moving models prunes: pairs that are farther apart than `separation` until `max_time`. At any
+/// pace: wherever each vertex is on its way, whatever the others do; then max_time is 1.
 struct MotionLimits {
   double max_time, separation;
+  bool at_any_pace = false;
 };
 
 }  // namespace limber::simd

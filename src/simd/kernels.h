@@ -173,6 +173,9 @@ struct Crossings {
   double edge[TrianglePairs::room], parameter[TrianglePairs::room];  ///< which edge, and where the point is on it
 };
 
+/// Two triangles hardly overlap where one reaches less behind the other than a 32nd of the smaller one's longest edge.
+inline constexpr double shallow_part_sq = 1.0 / (32 * 32);
+
 /// Normals and depths of geometry::contact(), of pairs of triangles that intersect. Numbers of pairs that are not
 /// ordinary mean nothing.
 struct LeastOverlaps {

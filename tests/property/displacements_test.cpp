@@ -53,41 +53,88 @@ void expect_apart(const std::vector<double>& before, const std::vector<double>& 
   }
 }
 
+/// Where vertices would like to go: towards a point, away from it, all one way, along a plane, or anywhere; some far,
+/// and some stay.
+std::vector<Vec3> wished_ends(Rng& rng, const Mesh& mesh, const Transform& pose, double size) {
+  const std::uint64_t kind = rng.below(5);
+  const Vec3 point = uniform_point(rng);
+  std::vector<Vec3> ends;
+  for (const Vec3& p : mesh.positions()) {
+    const Vec3 from = pose(p), any = uniform_point(rng), to = 4 * point - from * (1 / size);
+    const Vec3 ways[] = {to, -to, point, {any.x, point.y, 0}, any};
+    ends.push_back(from + (rng.below(4) == 0 ? 0 : rng.below(8) == 0 ? 8 * size : size) * ways[kind]);
+  }
+  return ends;
+}
+
 TEST(Displacements, KeepElementsApart) {
   Rng rng(3230);
-  std::size_t limited = 0, free = 0;
-  for (int i = 0; i < 150 && !HasFailure(); ++i) {
+  std::size_t limited[2] = {0, 0}, free[2] = {0, 0};
+  for (int i = 0; i < 300 && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
+    const bool is_along = i % 2 == 0;  // motions, at any pace; otherwise in any direction
     const Scene s = arbitrary_scene(rng);
-    const bool b_moves = rng.below(2) == 0;
-    const double unit = s.size / 20, rounding = 10 * s.tolerance;
+    const double unit = s.size / 20;
     const double separation = rng.below(2) == 0 ? 0 : unit * std::ldexp(1.0, -static_cast<int>(rng.below(8)));
-    const auto wanted = [&](const Mesh& mesh) {
-      std::vector<double> all;
-      for (std::size_t v = 0; v < mesh.positions().size(); ++v) {
-        all.push_back(rng.below(4) == 0 ? 0 : unit * rng.uniform());
-      }
-      return all;
-    };
-    std::vector<double> of_a = wanted(s.mesh_a), of_b = b_moves ? wanted(s.mesh_b) : std::vector<double>();
+    const std::vector<Vec3> end_a = wished_ends(rng, s.mesh_a, s.pose_a, unit);
+    const std::vector<Vec3> end_b = wished_ends(rng, s.mesh_b, s.pose_b, unit);
+    std::vector<double> of_a(end_a.size()), of_b(rng.below(2) == 0 ? end_b.size() : 0);
+    for (auto* all : {&of_a, &of_b}) {
+      for (double& f : *all) f = (is_along ? 1 : unit) * (rng.below(4) == 0 ? 1 : rng.uniform());
+    }
     const std::vector<double> wished = of_a;
     const Model a(s.mesh_a), b(s.mesh_b);
-    limit_self_displacements(a, separation, of_a);
-    limit_displacements({a, s.pose_a}, {b, s.pose_b}, separation, of_a, of_b);
+    MovingModel moving_a(a), moving_b(b);
+    ASSERT_TRUE(moving_a.set_motion(end_a, s.pose_a) && moving_b.set_motion(end_b, s.pose_b));
+    if (is_along) {
+      limit_self_motions(moving_a, separation, of_a);
+      limit_motions(moving_a, moving_b, separation, of_a, of_b);
+    } else {
+      limit_self_displacements(a, separation, of_a);
+      limit_displacements({a, s.pose_a}, {b, s.pose_b}, separation, of_a, of_b);
+    }
     for (std::size_t v = 0; v < of_a.size(); ++v) {
       EXPECT_TRUE(0 <= of_a[v] && of_a[v] <= wished[v]);
-      ++(of_a[v] < wished[v] ? limited : free);
+      ++(of_a[v] < wished[v] ? limited : free)[is_along];
     }
-    const Mesh now_a = at(s.mesh_a, moved_within(rng, s.mesh_a, s.pose_a, of_a));
-    const std::vector<double> still(s.mesh_b.positions().size(), 0.0);
-    const Mesh now_b = at(s.mesh_b, moved_within(rng, s.mesh_b, s.pose_b, b_moves ? of_b : still));
-    expect_apart(distances(reference::element_pairs({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}, any_distance)),
-                 distances(reference::element_pairs({now_a}, {now_b}, any_distance)), separation, rounding);
-    expect_apart(distances(reference::self_element_pairs(s.mesh_a, any_distance)),
-                 distances(reference::self_element_pairs(now_a, any_distance)), separation, rounding);
+    of_b.resize(end_b.size());              // one that stays
+    for (const double slow : {0.0, 0.5}) {  // all the way, or anywhere
+      const auto moved = [&](const Mesh& mesh, const Transform& pose, const std::vector<Vec3>& end,
+                             const std::vector<double>& most) {
+        std::vector<Vec3> now = moved_within(rng, mesh, pose, most);
+        for (std::size_t v = 0; is_along && v < end.size(); ++v) {
+          const Vec3 from = pose(mesh.positions()[v]);
+          now[v] = from + most[v] * (rng.uniform() < slow ? rng.uniform() : 1) * (end[v] - from);
+        }
+        return at(mesh, std::move(now));
+      };
+      const Mesh now_a = moved(s.mesh_a, s.pose_a, end_a, of_a), now_b = moved(s.mesh_b, s.pose_b, end_b, of_b);
+      expect_apart(distances(reference::element_pairs({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}, any_distance)),
+                   distances(reference::element_pairs({now_a}, {now_b}, any_distance)), separation, 10 * s.tolerance);
+      expect_apart(distances(reference::self_element_pairs(s.mesh_a, any_distance)),
+                   distances(reference::self_element_pairs(now_a, any_distance)), separation, 10 * s.tolerance);
+    }
   }
-  EXPECT_GT(limited, 500U);
-  EXPECT_GT(free, 500U);
+  for (const bool is_along : {false, true}) {
+    EXPECT_GT(limited[is_along], 250U);
+    EXPECT_GT(free[is_along], 250U);
+  }
+}
+
+TEST(Displacements, AlongMotionsAreThoseThatApproach) {
+  const Model floor(scenes::grid(8, 8, -1, -1, 0.25, 0.25));
+  MovingModel still(floor);
+  ASSERT_TRUE(still.set_motion(floor.mesh().positions()));
+  for (const double height : {0.002, 0.001}) {
+    const Model sheet(mapped(floor.mesh(), [&](const Vec3& p) { return 0.3 * p + Vec3{0, 0, height}; }));
+    for (const Vec3& way : {Vec3{0, 0, 1}, Vec3{0.5, 0.2, 0}, Vec3{0.5, 0.2, 1}, Vec3{0, 0, -1}, Vec3{1, 0, -0.5}}) {
+      MovingModel moving(sheet);
+      ASSERT_TRUE(moving.set_motion(mapped(sheet.mesh(), [&](const Vec3& p) { return p + way; }).positions()));
+      std::vector<double> fractions(floor.mesh().positions().size(), 1.0);
+      limit_motions(moving, still, 0.001, fractions);
+      for (const double f : fractions) EXPECT_NEAR(f, way.z < 0 ? (height - 0.001) / -way.z : 1, 1e-9) << way.z;
+    }
+  }
 }
 
 TEST(Displacements, LeaveWhatOneDoesNotWantToTheOther) {
@@ -118,14 +165,19 @@ TEST(Displacements, LeaveWhatOneDoesNotWantToTheOther) {
 TEST(Displacements, MistakesAreRefused) {
   const Model model(scenes::grid(1, 1, 0, 0, 1, 1));
   std::vector<double> good(4, 1.0), few(3), bad(4, -1.0), infinite(4, std::numeric_limits<double>::infinity());
+  MovingModel moving(model);
+  ASSERT_TRUE(moving.set_motion(model.mesh().positions()));
   for (auto* wrong : {&few, &bad, &infinite}) {
     EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, 0, *wrong); },
                            {"limber::limit_self_displacements", "displacement"}));
     EXPECT_TRUE(is_refused([&] { limit_displacements({model}, {model}, 0, good, *wrong); },
                            {"limber::limit_displacements", "displacement"}));
+    EXPECT_TRUE(
+        is_refused([&] { limit_motions(moving, moving, 0, good, *wrong); }, {"limber::limit_motions", "fraction"}));
   }
   for (const double separation : {-1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
     EXPECT_TRUE(is_refused([&] { limit_self_displacements(model, separation, good); }, {"separation"}));
+    EXPECT_TRUE(is_refused([&] { limit_self_motions(moving, separation, good); }, {"separation"}));
     EXPECT_TRUE(is_refused([&] { limit_displacements({model}, {model}, separation, good); }, {"separation"}));
   }
 }

@@ -15,6 +15,7 @@
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
+#include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
@@ -261,6 +262,33 @@ TEST(ContactSides, OfBallsWithAWideMarginPartThemWithoutThoseInward) {
   std::vector<Contact> closest(9);
   ASSERT_EQ(closest_pairs({ball}, {ball, {{}, {2.5, 0, 0}}}, closest).count, closest.size());
   for (const Contact& c : closest) EXPECT_EQ(c.normal_side, NormalSide::outward);
+}
+
+TEST(ContactSides, OfACrateThatTouchesAFloorAreTheFloors) {
+  const Model floor(box_mesh({-5, -5, -2}, {5, 5, 0})), crate(box_mesh({-0.5, -0.5, 0}, {0.5, 0.5, 1}));
+  Rng rng(436);
+  for (const double gap : {1e-3, 1e-6, 0.0, -1e-6, -1e-4, -1e-3}) {
+    for (int turn = 0; turn < 20; ++turn) {
+      SCOPED_TRACE("gap " + std::to_string(gap) + ", turn " + std::to_string(turn));
+      const Transform room{turn % 2 == 0 ? Mat3{} : scenes::random_rotation(rng), {}};
+      const double c = std::cos(0.3 * turn), s = std::sin(0.3 * turn);
+      const Transform in_room{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}, {0.1 + 0.013 * turn, 0.05, gap}};
+      const Placed a{floor, room}, b{crate, room * in_room};
+      std::size_t count = 0;
+      double depth = 0;
+      for (const bool swaps : {false, true}) {
+        visit_contacts(swaps ? b : a, swaps ? a : b, std::max(gap, 0.0) + 1e-9, [&](const Contact& contact) {
+          if (contact.normal_side == NormalSide::inward || (gap < 0 && contact.distance > 0)) return true;
+          ++count, depth = std::max(depth, contact.depth);
+          EXPECT_EQ(contact.normal_side, NormalSide::outward);
+          EXPECT_GT((swaps ? -1 : 1) * dot(contact.normal, room.rotation * Vec3{0, 0, 1}), 0.99985);  // 1 degree
+          return true;
+        });
+      }
+      EXPECT_GE(count, 16U);
+      EXPECT_NEAR(depth, std::max(-gap, 0.0), 1e-12);
+    }
+  }
 }
 
 TEST(ContactSides, OfOneClosedBodyOrTwoPartWhatMeets) {
