@@ -56,8 +56,8 @@ struct ReadOptions {
   /// become one stay, without area.
   double weld_tolerance = 0;
 
-  /// Vertices of different parts stay apart. A vertex belongs to the part of the first face that names it; vertices that
-  /// parts share in the file itself, as groups of an OBJ file may, stay shared.
+  /// Vertices of different parts stay apart. A vertex belongs to the part of the first face that names it; vertices
+  /// that parts share in the file itself, as groups of an OBJ file may, stay shared.
   bool parts = false;
 };
 
@@ -72,8 +72,8 @@ struct MeshFile {
   std::vector<VertexId> vertex_of_file_vertex;
 
   /// Names of the parts with faces, in order of appearance: objects of an OBJ file, or its groups where all faces
-  /// belong to one object; solids of an STL text; nodes of a glTF scene. Names may be empty and need not differ. A file without
-  /// parts, or one of another format, is one part without a name.
+  /// belong to one object; solids of an STL text; nodes of a glTF scene. Names may be empty and need
+  /// not differ. A file without parts, or one of another format, is one part without a name.
   std::vector<std::string> parts;
   std::vector<std::uint32_t> part_of_triangle;  ///< in `parts`
 

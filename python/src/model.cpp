@@ -200,8 +200,8 @@ Named<"WeldedMesh"> weld_of(const MeshArgument& vertices, const ArrayLike& faces
 
 constexpr const char* open_sequence_doc =
     R"(Reads all frames, one at a time, and welds the vertices that are together in each of them. Where nothing is
-welded in the first frame, it alone is read. Of a single frame, later ones in which welded vertices part are refused when they
-are read. Options are those of read_mesh_file().
+welded in the first frame, it alone is read. Of a single frame, later ones in which welded vertices part are
+refused when they are read. Options are those of read_mesh_file().
 
 Raises   As read_positions(); ValueError if there is no frame.)";
 
