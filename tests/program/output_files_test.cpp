@@ -1,9 +1,17 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <random>
 
 #include "program/run_program.h"
 #include "scenes/scenes.h"
@@ -45,7 +53,7 @@ class ProgramOutputFiles : public testing::Test {
   void expect_kept(const std::string& line, const Words& inputs) const {
     for (const std::string& input : inputs) {
       const std::string name = fs::path(input).filename().string();
-      const std::string symbolic = folder_.path("symbolic_link"), hard = folder_.path("hard_link");
+      const std::string symbolic = folder_.path("symbolic.csv"), hard = folder_.path("hard.csv");
       fs::create_symlink(input, symbolic);
       fs::create_hard_link(input, hard);
       const auto before = files();
@@ -56,6 +64,16 @@ class ProgramOutputFiles : public testing::Test {
       fs::remove(symbolic);
       fs::remove(hard);
     }
+  }
+
+  /// A glTF file of one triangle, whose buffer is a file beside it.
+  std::string stored_gltf(const std::string& name, const std::string& buffer) const {
+    folder_.store(buffer, std::string(36, '\0'));
+    return folder_.store(
+        name, R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
+              R"({"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":)"
+              R"("VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":")" +
+                  buffer + "\"}]}");
   }
 
   Folder folder_;
@@ -131,6 +149,120 @@ TEST_F(ProgramOutputFiles, OnAFullDiskAreOneLineAndNoAnswer) {
   const Outcome outcome = run_into("/dev/full", "distance scene:ball scene:ball --json");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+}
+
+TEST_F(ProgramOutputFiles, AreNoBuffersOfInputs) {
+  const std::string gltf = stored_gltf("m.gltf", "m.csv"), frames = gltf + ' ' + stored_gltf("n.gltf", "n.csv");
+  const std::string pairs = folder_.store("gltf.csv", "model_a,model_b\n" + gltf + ",scene:ball\n");
+  const std::string buffer = folder_.path("m.csv"), of_frames = "track --a " + frames + " --b scene:ball ";
+  for (const std::string& line :
+       {"distance --pairs " + pairs + " --out ", "distance --pairs " + pairs + " --report ",
+        "distance scene:ball " + gltf + " --vertices-a ", "points " + gltf + ' ' + points_ + " --out ",
+        "contacts scene:ball " + gltf + " --margin 1 --out ", "self " + gltf + " --out ", "bench " + gltf + " --out ",
+        of_frames + "--out ", of_frames + "--json --report "}) {
+    expect_kept(line, {buffer});
+  }
+  for (const std::string option : {"--out ", "--report "}) {  // of a frame that is read after the file is opened
+    const auto before = files();
+    EXPECT_NE(run(of_frames + option + folder_.path("n.csv")).err.find("n.csv is one of the inputs"),
+              std::string::npos);
+    EXPECT_TRUE(files() == before);
+  }
+  answer_to(of_frames + "--report " + folder_.path("page.html"));
+  EXPECT_EQ(count_of("\"sha256\"", text_of(folder_.path("page.html"))), 4U);
+}
+
+TEST_F(ProgramOutputFiles, KeepLinksAndModes) {
+  const std::string file = folder_.store("file", "from before"), link = folder_.path("link");
+  const auto mode_of = [](const std::string& path) { return static_cast<unsigned>(fs::status(path).permissions()); };
+  fs::create_symlink("file", link);
+  chmod(file.c_str(), 0604);
+  const mode_t mask = umask(027);
+  for (const std::string& path : {link, folder_.path("new")}) answer_to(of_points_ + path);
+  umask(mask);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(lines_of(text_of(file)).size(), 3U);
+  EXPECT_EQ(text_of(file), text_of(folder_.path("new")));
+  EXPECT_EQ(mode_of(file), 0604U);
+  EXPECT_EQ(mode_of(folder_.path("new")), 0640U);
+}
+
+TEST_F(ProgramOutputFiles, MayBePipesAndDescriptors) {
+  const std::string pipe = folder_.path("pipe"), log = folder_.store("log", "from before\n");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int end = open(pipe.c_str(), O_RDWR);
+  const std::string answer = answer_to(of_points_ + "-");
+  for (const std::string& path : {pipe, "/dev/fd/3 3>>" + log, "/dev/stdout >>" + log + " #"}) run(of_points_ + path);
+  std::string text(answer.size(), ' ');
+  EXPECT_EQ(read(end, text.data(), text.size()), static_cast<ssize_t>(answer.size()));
+  EXPECT_EQ(text, answer);
+  EXPECT_EQ(text_of(log), "from before\n" + answer + answer);
+  EXPECT_EQ(close(end), 0);
+}
+
+TEST_F(ProgramOutputFiles, StayWhereNothingTakesTheirPlace) {
+  const std::string out = folder_.store("out.csv", "from before"), page = folder_.store("page", "from before");
+  const auto before = files();
+  EXPECT_EQ(run("track --a " + ball_ + ' ' + points_ + " --b scene:ball --report " + page + " --out " + out).exit_code,
+            2);
+  expect_refused(of_points_ + "/proc/self/comm", "no file can be made beside it");
+  rlimit room{};
+  getrlimit(RLIMIT_FSIZE, &room);
+  for (const rlim_t bytes : {80U, 150U}) {
+    const rlimit little{bytes, room.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &little);
+    const Outcome points = run_into("/dev/null", of_points_ + out), report = run(of_distance_ + page);
+    setrlimit(RLIMIT_FSIZE, &room);
+    EXPECT_EQ(points.err, ("limber: points: cannot write " + out + ": File too large\n").substr(0, bytes));
+    EXPECT_EQ(points.exit_code + report.exit_code, 2);
+  }
+  EXPECT_TRUE(files() == before);
+}
+
+TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
+  std::string points;
+  for (int i = 0; i < 100'000; ++i) points += std::to_string(i) + ",1,2\n";
+  points = folder_.store("many.csv", points);
+  const Folder outputs;
+  const std::string out = outputs.path("out.csv"), page = outputs.path("page"), err = folder_.path("err");
+  const std::string both = " --out " + out + " --report " + page;
+  std::mt19937 random(1);
+  for (const std::string& line :
+       {"points " + ball_ + ' ' + points + " --out " + out, "distance --pairs " + pairs_ + both,
+        "distance " + ball_ + " scene:square --vertices-a " + out + " --report " + page,
+        "contacts scene:ball " + ball_ + " --margin 1 --out " + out,
+        "track --loop 99 --a scene:ball --b " + ball_ + " --poses-a " + poses_ + both, short_loop + both}) {
+    ASSERT_EQ(run(line).exit_code, 0) << line;
+    const std::size_t line_count = lines_of(text_of(out)).size();
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {
+      SCOPED_TRACE(line + ", signal " + std::to_string(signal));
+      for (const std::string& path : {out, page}) std::ofstream(path) << "from before";
+      const std::string command = std::string("exec ") + LIMBER_PROGRAM + ' ' + line + " >/dev/null 2>" + err;
+      const pid_t pid = fork();
+      if (pid == 0) execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      std::string beside;
+      do {  // points go on for a while, so that there are some rows and not all
+        usleep(static_cast<useconds_t>(random() % 100'000));
+        for (const auto& entry : fs::directory_iterator(outputs.path(""))) {
+          if (entry.path() != out && entry.path() != page) beside = entry.path();
+        }
+      } while (line.starts_with("points") && lines_of(text_of(beside)).size() < 2);
+      kill(pid, signal);
+      waitpid(pid, nullptr, 0);
+      const std::string table = text_of(out), html = text_of(page);
+      EXPECT_TRUE(table == "from before" || lines_of(table).size() == line_count) << table.size();
+      EXPECT_TRUE(html == "from before" || html.ends_with("</html>\n")) << html.size();
+      EXPECT_TRUE(!line.starts_with("points") || fs::exists(beside));
+      for (const auto& entry : fs::directory_iterator(outputs.path(""))) {
+        const std::string path = entry.path();
+        if (path == out || path == page) continue;
+        EXPECT_EQ(path.find(".partial-"), path.size() - 17);
+        fs::remove(path);
+        if (signal == SIGKILL) continue;
+        EXPECT_EQ(text_of(err), "limber: rows until now are in " + path + "; " + out + " is as before\n");
+      }
+    }
+  }
 }
 
 }  // namespace
