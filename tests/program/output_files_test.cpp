@@ -29,14 +29,16 @@ class ProgramOutputFiles : public testing::Test {
   ProgramOutputFiles()
       : ball_(folder_.store("ball.obj", scenes::ball(8, 4).view())),
         frame_(folder_.store("frame.obj", scenes::ball(8, 4).view())),
+        gltf_(stored_gltf("model")),
+        buffer_(folder_.path("model.csv")),
         points_(folder_.store("points.csv", "0,0,3\n0,0,4\n")),
         poses_(folder_.store("poses.csv", "0,0,3,1,0,0,0\n0,0,4,1,0,0,0\n")),
-        pairs_(folder_.store("pairs.csv", "model_a,model_b\nscene:ball,scene:ball\n" + ball_ + "," + frame_ + "\n")),
+        pairs_(folder_.store("pairs.csv", "model_a,model_b\nscene:ball,scene:ball\n" + gltf_ + "," + frame_ + "\n")),
         of_pairs_("distance --pairs " + pairs_ + " --out "),
-        of_distance_("distance " + ball_ + ' ' + frame_ + " --report "),
-        of_contacts_("contacts " + ball_ + ' ' + frame_ + " --intersections --out "),
-        of_self_("self " + ball_ + " --out "),
-        of_points_("points " + ball_ + ' ' + points_ + " --out "),
+        of_distance_("distance " + ball_ + ' ' + gltf_ + " --report "),
+        of_contacts_("contacts " + ball_ + ' ' + gltf_ + " --intersections --out "),
+        of_self_("self " + gltf_ + " --out "),
+        of_points_("points " + gltf_ + ' ' + points_ + " --out "),
         of_track_("track --a " + ball_ + ' ' + frame_ + " --b scene:ball --poses-a " + poses_ + " --out "),
         of_track_report_("track --a " + ball_ + ' ' + frame_ + " --b scene:ball --poses-a " + poses_ + " --report ") {}
 
@@ -66,27 +68,30 @@ class ProgramOutputFiles : public testing::Test {
     }
   }
 
-  /// A glTF file of one triangle, whose buffer is a file beside it.
-  std::string stored_gltf(const std::string& name, const std::string& buffer) const {
-    folder_.store(buffer, std::string(36, '\0'));
+  /// A glTF file of one triangle, with its buffer in a file NAME.csv.
+  std::string stored_gltf(const std::string& name) const {
+    folder_.store(name + ".csv", std::string(36, '\0'));
     return folder_.store(
-        name, R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
-              R"({"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":)"
-              R"("VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":")" +
-                  buffer + "\"}]}");
+        name + ".gltf",
+        R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
+        R"({"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}])"
+        R"(,"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":")" +
+            name + ".csv\"}]}");
   }
 
   Folder folder_;
-  std::string ball_, frame_, points_, poses_, pairs_;
+  std::string ball_, frame_, gltf_, buffer_, points_, poses_, pairs_;
   std::string of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_, of_track_report_;
 };
 
 TEST_F(ProgramOutputFiles, OfEveryVerbAreNoInputs) {
-  expect_kept(of_pairs_, {pairs_, ball_, frame_});
-  expect_kept(of_distance_, {ball_, frame_});
-  expect_kept(of_contacts_, {ball_, frame_});
-  expect_kept(of_self_, {ball_});
-  expect_kept(of_points_, {ball_, points_});
+  expect_kept(of_pairs_, {pairs_, gltf_, buffer_, frame_});
+  expect_kept(of_distance_, {ball_, gltf_, buffer_});
+  expect_kept("distance scene:ball " + gltf_ + " --vertices-a ", {buffer_});
+  expect_kept("bench " + gltf_ + " --out ", {buffer_});
+  expect_kept(of_contacts_, {ball_, gltf_, buffer_});
+  expect_kept(of_self_, {gltf_, buffer_});
+  expect_kept(of_points_, {gltf_, buffer_, points_});
   expect_kept(of_track_, {ball_, frame_, poses_});
   expect_kept(of_track_report_, {ball_, frame_, poses_});
   expect_kept("track --a scene:ball --b " + ball_ + ' ' + frame_ + " --poses-b " + poses_ + " --report ",
@@ -151,47 +156,33 @@ TEST_F(ProgramOutputFiles, OnAFullDiskAreOneLineAndNoAnswer) {
   EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
 }
 
-TEST_F(ProgramOutputFiles, AreNoBuffersOfInputs) {
-  const std::string gltf = stored_gltf("m.gltf", "m.csv"), frames = gltf + ' ' + stored_gltf("n.gltf", "n.csv");
-  const std::string pairs = folder_.store("gltf.csv", "model_a,model_b\n" + gltf + ",scene:ball\n");
-  const std::string buffer = folder_.path("m.csv"), of_frames = "track --a " + frames + " --b scene:ball ";
-  for (const std::string& line :
-       {"distance --pairs " + pairs + " --out ", "distance --pairs " + pairs + " --report ",
-        "distance scene:ball " + gltf + " --vertices-a ", "points " + gltf + ' ' + points_ + " --out ",
-        "contacts scene:ball " + gltf + " --margin 1 --out ", "self " + gltf + " --out ", "bench " + gltf + " --out ",
-        of_frames + "--out ", of_frames + "--json --report "}) {
-    expect_kept(line, {buffer});
-  }
-  for (const std::string option : {"--out ", "--report "}) {  // of a frame that is read after the file is opened
-    const auto before = files();
-    EXPECT_NE(run(of_frames + option + folder_.path("n.csv")).err.find("n.csv is one of the inputs"),
-              std::string::npos);
-    EXPECT_TRUE(files() == before);
-  }
-  answer_to(of_frames + "--report " + folder_.path("page.html"));
-  EXPECT_EQ(count_of("\"sha256\"", text_of(folder_.path("page.html"))), 4U);
+TEST_F(ProgramOutputFiles, AreNoBuffersOfLaterFrames) {
+  const std::string line = "track --a " + gltf_ + ' ' + stored_gltf("later") + " --b scene:ball --poses-b " + poses_;
+  expect_kept(line + " --json --report ", {buffer_});
+  const auto before = files();
+  const Outcome outcome = run(line + " --out " + folder_.path("later.csv"));
+  EXPECT_NE(outcome.err.find("later.csv is one of the inputs"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(files() == before);
+  answer_to(line + " --report " + folder_.path("page"));
+  EXPECT_EQ(count_of("\"sha256\"", text_of(folder_.path("page"))), 5U);
 }
 
-TEST_F(ProgramOutputFiles, KeepLinksAndModes) {
-  const std::string file = folder_.store("file", "from before"), link = folder_.path("link");
-  const auto mode_of = [](const std::string& path) { return static_cast<unsigned>(fs::status(path).permissions()); };
+TEST_F(ProgramOutputFiles, KeepLinksModesPipesAndDescriptors) {
+  const std::string file = folder_.store("file", "from before"), link = folder_.path("link"),
+                    made = folder_.path("new");
+  const std::string answer = answer_to(of_points_ + "-");
   fs::create_symlink("file", link);
-  chmod(file.c_str(), 0604);
+  fs::permissions(file, fs::perms{0604});
   const mode_t mask = umask(027);
-  for (const std::string& path : {link, folder_.path("new")}) answer_to(of_points_ + path);
+  for (const std::string& path : {link, made}) answer_to(of_points_ + path);
   umask(mask);
   EXPECT_TRUE(fs::is_symlink(link));
-  EXPECT_EQ(lines_of(text_of(file)).size(), 3U);
-  EXPECT_EQ(text_of(file), text_of(folder_.path("new")));
-  EXPECT_EQ(mode_of(file), 0604U);
-  EXPECT_EQ(mode_of(folder_.path("new")), 0640U);
-}
-
-TEST_F(ProgramOutputFiles, MayBePipesAndDescriptors) {
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms{0604});
+  EXPECT_EQ(fs::status(made).permissions(), fs::perms{0640});
+  for (const std::string& path : {file, made}) EXPECT_EQ(text_of(path), answer);
   const std::string pipe = folder_.path("pipe"), log = folder_.store("log", "from before\n");
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   const int end = open(pipe.c_str(), O_RDWR);
-  const std::string answer = answer_to(of_points_ + "-");
   for (const std::string& path : {pipe, "/dev/fd/3 3>>" + log, "/dev/stdout >>" + log + " #"}) run(of_points_ + path);
   std::string text(answer.size(), ' ');
   EXPECT_EQ(read(end, text.data(), text.size()), static_cast<ssize_t>(answer.size()));
@@ -208,14 +199,12 @@ TEST_F(ProgramOutputFiles, StayWhereNothingTakesTheirPlace) {
   expect_refused(of_points_ + "/proc/self/comm", "no file can be made beside it");
   rlimit room{};
   getrlimit(RLIMIT_FSIZE, &room);
-  for (const rlim_t bytes : {80U, 150U}) {
-    const rlimit little{bytes, room.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &little);
-    const Outcome points = run_into("/dev/null", of_points_ + out), report = run(of_distance_ + page);
-    setrlimit(RLIMIT_FSIZE, &room);
-    EXPECT_EQ(points.err, ("limber: points: cannot write " + out + ": File too large\n").substr(0, bytes));
-    EXPECT_EQ(points.exit_code + report.exit_code, 2);
-  }
+  const rlimit little{150, room.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &little);
+  const Outcome points = run(of_points_ + out), report = run(of_track_report_ + page);
+  setrlimit(RLIMIT_FSIZE, &room);
+  EXPECT_EQ(points.err, "limber: points: cannot write " + out + ": File too large\n");
+  EXPECT_EQ(points.exit_code + report.exit_code, 2);
   EXPECT_TRUE(files() == before);
 }
 
