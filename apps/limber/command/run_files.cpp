@@ -25,6 +25,8 @@
 
 #if defined(_WIN32)
 #include <io.h>
+#else
+#include <pthread.h>
 #endif
 
 namespace limber::program {
@@ -75,9 +77,7 @@ int made_file(const std::string& path, const std::string& target) {
   const bool is_there = stat(target.c_str(), &old) == 0;
   const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, is_there ? nobody_else : anybody);
   if (descriptor == -1 || !is_there) return descriptor;
-  // Few may give files away, but many may give them to groups of theirs.
-  [[maybe_unused]] const bool is_permitted =
-      fchown(descriptor, old.st_uid, old.st_gid) == 0 || fchown(descriptor, static_cast<uid_t>(-1), old.st_gid) == 0;
+  [[maybe_unused]] const bool is_permitted = fchown(descriptor, old.st_uid, old.st_gid) == 0;
   fchmod(descriptor, old.st_mode & permissions);
   return descriptor;
 }

@@ -43,7 +43,7 @@ class OutputFile {
   struct Output* output_ = nullptr;  // one of the run's; null: standard output
 };
 
-/// Puts all files in place that outputs have written, with owner and mode of those that were there. Links to these stay.
+/// Puts all files in place that outputs have written, with owner and mode of those that were there, whose links stay.
 ///
 /// Errors   OutputFailed; BadInput where a file has become an input after it was opened.
 void place_outputs();
