@@ -48,10 +48,9 @@ DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<
 
 ExitCode answer_pair(const DistanceArguments& arguments) {
   const Pair pair(arguments.pair);
-  const Names inputs = {arguments.pair.a, arguments.pair.b, arguments.pair.path_a, arguments.pair.path_b};
-  VertexDistances vertices(arguments.vertices, inputs, {arguments.report.path});
+  VertexDistances vertices(arguments.vertices);
   std::optional<ReportFile> report;
-  if (!arguments.report.path.empty()) report.emplace(arguments.report, inputs);
+  if (!arguments.report.path.empty()) report.emplace(arguments.report);
   const DistanceQuestion question = question_of(arguments);
   const DistanceAnswer answer = pair.path() ? answer_on_path(*pair.path(), pair, arguments.distance_error)
                                             : answer_to(question, pair.a(), pair.b());

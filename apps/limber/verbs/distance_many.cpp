@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "command/run_files.h"
 #include "command/text.h"
 #include "formats/csv_inputs.h"
 #include "reports/study.h"
@@ -26,12 +27,8 @@ class Models {
     std::unique_ptr<RigidModel>& model = models_[key_of(name)];
     if (model) return model.get();
     model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
-    files_.push_back(name);
     return model.get();
   }
-
-  /// What has been loaded, each under the name that came first.
-  const Names& files() const { return files_; }
 
  private:
   static std::string key_of(const std::string& name) {
@@ -43,7 +40,6 @@ class Models {
 
   Engine engine_;
   std::map<std::string, std::unique_ptr<RigidModel>> models_;
-  Names files_;
 };
 
 /// What is asked about.
@@ -127,14 +123,11 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
   Models models(arguments.engine);
   const std::string& path = arguments.parts.empty() ? arguments.pairs : arguments.parts;
   const AskedPairs asked = arguments.parts.empty() ? pairs_of_file(path, models) : pairs_of_parts(path, models);
-  Names inputs = models.files();
-  inputs.push_back(path);
-  check_output("--report", arguments.report.path, inputs, {arguments.out});
   std::optional<Study> study;
   if (!arguments.report.path.empty()) study.emplace(asked.kind, question, asked.parts, asked.pairs.size());
-  OutputFile out("--out", arguments.out, inputs, {});
+  OutputFile out("--out", arguments.out);
   std::optional<ReportFile> report;
-  if (study) report.emplace(arguments.report, inputs);
+  if (study) report.emplace(arguments.report);
   ProgressBar bar(asked.pairs.size(), "pairs");
   ExitCode exit_code = ExitCode::answered;
   std::size_t nested_count = 0;
@@ -150,7 +143,7 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
     if (study) study->add(asked.pairs[i], answer);
     if (out.is_terminal()) bar.clear();
     const Json row = answer_in_row(i, asked, answer);
-    out.write(arguments.json ? to_line(row) : csv_line(row));
+    out.write_rows(arguments.json ? to_line(row) : csv_line(row));
   }
   bar.clear();
   warn_about(nested_count);
