@@ -77,27 +77,41 @@ int side_of_pass(const Vec3& p, const Height& p_over_t, const Height& p_over_x, 
 
 }  // namespace
 
-Cut::Cut(const Triangle& t, const Triangle& x) : t_(t), x_(x) {
+int is_copy(const Triangle& y, const Triangle& t) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = next_corner[i], k = next_corner[j];
+    if (y.v0 == t[i] && y.v1 == t[j] && y.v2 == t[k]) return 1;
+    if (y.v0 == t[i] && y.v1 == t[k] && y.v2 == t[j]) return -1;
+  }
+  return 0;
+}
+
+Cut::Cut(const Triangle& t, pair::Side of_t, const Triangle& x, pair::Side of_x) : t_(t), x_(x) {
+  behind_t_[pair::index(of_t)] = behind_x_[pair::index(of_x)] = 1;
   const int unit = CommonUnit().include(t).include(x).exponent();
-  std::vector<ExactPoint> of_t = edge_crossings(t, x, unit), of_x = edge_crossings(x, t, unit);
-  LIMBER_ASSERT(of_t.size() == 2);
-  if (of_x.size() != 2) return;
-  along_ = direction(of_t[0], of_t[1]);
+  std::vector<ExactPoint> on_t = edge_crossings(t, x, unit), on_x = edge_crossings(x, t, unit);
+  LIMBER_ASSERT(on_t.size() == 2);
+  if (on_x.size() != 2) return;
+  along_ = direction(on_t[0], on_t[1]);
   while (along_[axis_].is_zero()) ++axis_;
   if (along_[axis_].sign() < 0) {
-    std::swap(of_t[0], of_t[1]);
+    std::swap(on_t[0], on_t[1]);
     for (Integer& d : along_) d = -d;
   }
-  if (of_x[0].compare(of_x[1], axis_) > 0) std::swap(of_x[0], of_x[1]);
-  const ExactPoint& first = of_t[0].compare(of_x[0], axis_) > 0 ? of_t[0] : of_x[0];
-  const ExactPoint& last = of_t[1].compare(of_x[1], axis_) < 0 ? of_t[1] : of_x[1];
+  if (on_x[0].compare(on_x[1], axis_) > 0) std::swap(on_x[0], on_x[1]);
+  const ExactPoint& first = on_t[0].compare(on_x[0], axis_) > 0 ? on_t[0] : on_x[0];
+  const ExactPoint& last = on_t[1].compare(on_x[1], axis_) < 0 ? on_t[1] : on_x[1];
   if (first.compare(last, axis_) < 0) ends_ = {first, last};
 }
 
 void Cut::add(const Triangle& y, pair::Side s) {
   LIMBER_ASSERT(is_segment());
   const int side = ends_[0].side_of_plane(y), last_side = ends_[1].side_of_plane(y);
-  is_shared_ = is_shared_ || (side == 0 && last_side == 0);
+  if (side == 0 && last_side == 0) {
+    const int to_t = is_copy(y, t_), to_x = is_copy(y, x_);
+    behind_t_[pair::index(s)] += to_t, behind_x_[pair::index(s)] += to_x;
+    is_shared_ = is_shared_ || (to_t == 0 && to_x == 0);
+  }
   if (side * last_side >= 0) return;
   Crosser crosser{y, s, side};
   const std::array<Height, 3> over_t = heights_of(y, t_), over_x = heights_of(y, x_);
@@ -172,15 +186,16 @@ void Cut::look(Cells& cells, int side_of_t) {
   for (const int side_of_x : {1, -1}) follow(cells, begin(cells, side_of_t, side_of_x), side_of_t, side_of_x);
 }
 
-void Cut::look_everywhere(Cells& cells, pair::Side of_t, pair::Side of_x) {
+void Cut::look_everywhere(Cells& cells) {
   LIMBER_ASSERT(!is_shared());
   sort();
   const WindingNumbers in_front = begin(cells, 1, 1);
   for (const int side_of_t : {1, -1}) {
     for (const int side_of_x : {1, -1}) {
-      WindingNumbers numbers = in_front;  // one more behind a triangle
-      numbers[pair::index(of_t)] += side_of_t < 0 ? 1 : 0;
-      numbers[pair::index(of_x)] += side_of_x < 0 ? 1 : 0;
+      WindingNumbers numbers = in_front;
+      for (const std::size_t s : {0, 1}) {
+        numbers[s] += (side_of_t < 0 ? behind_t_[s] : 0) + (side_of_x < 0 ? behind_x_[s] : 0);
+      }
       follow(cells, numbers, side_of_t, side_of_x);
     }
   }

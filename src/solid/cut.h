@@ -14,6 +14,9 @@
 
 namespace limber::solid {
 
+/// Whether two triangles have the same corners: 1 if they look the same way too, -1 if not; 0 otherwise.
+int is_copy(const Triangle& y, const Triangle& t);
+
 /// The segment in which two triangles, t and x, cross, and what else crosses it: there the cells around it change.
 ///
 /// Four wedges are next to the segment: either side of t, and of x. In each of them a line leads along it, off the plane
@@ -21,21 +24,22 @@ namespace limber::solid {
 /// begins. They change where it pierces a triangle, so no other place needs a ray.
 class Cut {
  public:
-  /// Pre: the triangles have an area and are not in parallel planes.
-  Cut(const Triangle& t, const Triangle& x);
+  /// Of triangles of the surfaces `of_t` and `of_x`. Pre: both have an area and are not in parallel planes.
+  Cut(const Triangle& t, pair::Side of_t, const Triangle& x, pair::Side of_x);
 
   /// Whether the triangles have more than a point in common.
   bool is_segment() const { return !ends_.empty(); }
   /// Takes another triangle, of the surface s, that meets both. Pre: it has an area, and is_segment().
   void add(const Triangle& y, pair::Side s);
-  /// Whether one that was added may contain a part of the segment, so that more than t and x keep wedges apart.
+  /// Whether one that was added may contain a part of the segment, and is no copy of t or x: then more than these keep
+  /// wedges apart.
   bool is_shared() const { return is_shared_; }
 
   /// Looks into the cells on one side of t, the front (1) or the back (-1).
   void look(Cells& cells, int side_of_t);
-  /// Looks into the cells of all wedges. Pre: t is of the surface `of_t` and x of `of_x`, each has corners on both sides
-  /// of the other, and the cut is not shared.
-  void look_everywhere(Cells& cells, pair::Side of_t, pair::Side of_x);
+  /// Looks into the cells of all wedges. Pre: each triangle has corners on both sides of the other, and the cut is not
+  /// shared.
+  void look_everywhere(Cells& cells);
 
  private:
   /// A triangle that crosses the segment between its ends.
@@ -63,6 +67,7 @@ class Cut {
   std::vector<ExactPoint> ends_;  // two, or none
   IntegerVec along_;              // from the first to the last
   std::size_t axis_ = 0;          // along which they differ
+  WindingNumbers behind_t_{}, behind_x_{};  // what numbers behind them, and behind copies of them, have more
   std::vector<Crosser> crossers_;
   std::vector<std::size_t> group_ends_;  // of those that are crossed in one point
   bool is_shared_ = false;

@@ -83,6 +83,7 @@ Shells::Shells(Cells& cells, const std::deque<TrianglePair>& contacts)
       count_(count_of_a_ + cells.model(pair::Side::b).mesh().triangles.size()),
       meetings_(meetings_of(cells, contacts, count_of_a_, count_)),
       is_degenerate_(count_),
+      is_copy_(count_),
       cut_halves_(count_),
       shells_(2 * count_, cells.meter) {}
 
@@ -113,6 +114,9 @@ void Shells::find_sides() {
       // A triangle without area keeps no cells apart.
       const bool counts = !is_degenerate_[f] && !is_degenerate_[m.other];
       m.sides = counts ? sides_of(triangle(m.other), triangle(f)) : Sides{0};
+      if (counts && m.other < f && m.sides == 0) {
+        is_copy_[f] = is_copy_[f] || is_copy(triangle(m.other), triangle(f)) != 0;
+      }
       if ((m.sides & across) != 0) cut_halves_[f] |= m.sides & (in_front | behind);
     }
   }
@@ -172,28 +176,28 @@ void Shells::look() {
     }
   }
   for (FacetId f = 0; f < count_ && !cells_.are_all_known() && !cells_.meter.is_spent_at(f); ++f) {
-    if (cut_halves_[f] != 0) look_into_pieces(f);
+    if (cut_halves_[f] != 0 && !is_copy_[f]) look_into_pieces(f);
   }
 }
 
 void Shells::look_into_pieces(FacetId f) {
   for (const Meeting& m : meetings_.of(static_cast<VertexId>(f))) {
     if (cells_.are_all_known() || cells_.meter.is_spent()) return;
-    if ((m.sides & across) != 0) look_along_cut(f, m);
+    if ((m.sides & across) != 0 && !is_copy_[m.other]) look_along_cut(f, m);
   }
 }
 
 void Shells::look_along_cut(FacetId f, const Meeting& cutter) {
   const bool is_through = (cutter.sides & in_front) != 0 && (cutter.sides & behind) != 0;
   if (is_through && cutter.other < f) return;  // done from there
-  Cut cut(triangle(f), triangle(cutter.other));
+  Cut cut(triangle(f), side_of(f), triangle(cutter.other), side_of(cutter.other));
   if (!cut.is_segment()) return;
   add_crossers(cut, f, cutter.other);
-  if (is_through && !cut.is_shared()) return cut.look_everywhere(cells_, side_of(f), side_of(cutter.other));
+  if (is_through && !cut.is_shared()) return cut.look_everywhere(cells_);
   if ((cutter.sides & in_front) != 0) cut.look(cells_, 1);
   if ((cutter.sides & behind) != 0) cut.look(cells_, -1);
   if (!is_through) return;
-  Cut turned(triangle(cutter.other), triangle(f));
+  Cut turned(triangle(cutter.other), side_of(cutter.other), triangle(f), side_of(f));
   add_crossers(turned, cutter.other, f);
   for (const int side : {1, -1}) turned.look(cells_, side);
 }
