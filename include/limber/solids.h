@@ -51,8 +51,8 @@ struct [[nodiscard]] SolidRelationResult {
 ///          since its surface was created; std::bad_alloc.
 /// Cost     A few contacts or points where the solids are far apart or cross; O(n log n) where they touch, coincide, or
 ///          one is inside the other, and one ray for each pair of triangles that cross. Allocates.
-/// Budget   A step follows a ray, looks at the cut of two triangles, or at up to 64 triangles. A relation that was found
-///          before the budget was spent is returned; otherwise it is `undecided`.
+/// Budget   A step follows a ray, looks at the cut of two triangles, or at up to 64 triangles. A relation that was
+///          found before the budget was spent is returned; otherwise it is `undecided`.
 /// Threads  Reentrant; any number of calls may share models. Runs on the calling thread.
 /// Source   docs/algorithms/solids.md.
 LIMBER_API SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& b,

@@ -133,7 +133,8 @@ void DeepestVertexSearch::compare_vertices(const Entry& entry, const Depth& cent
   }
 }
 
-void DeepestVertexSearch::compare(VertexId v, const Vec3& position, double farthest, bool is_inside, pair::Meter& meter) {
+void DeepestVertexSearch::compare(VertexId v, const Vec3& position, double farthest, bool is_inside,
+                                  pair::Meter& meter) {
   is_compared_[v] = true;
   if (!is_inside && !contains(solid_, position, meter)) return;
   const std::optional<SurfacePoint> closest = closest_.find(position, farthest, meter.stats);

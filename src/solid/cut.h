@@ -19,9 +19,9 @@ int is_copy(const Triangle& y, const Triangle& t);
 
 /// The segment in which two triangles, t and x, cross, and what else crosses it: there the cells around it change.
 ///
-/// Four wedges are next to the segment: either side of t, and of x. In each of them a line leads along it, off the plane
-/// of x by an infinitesimal amount and off that of t by a much smaller one. Winding numbers are counted where the line
-/// begins. They change where it pierces a triangle, so no other place needs a ray.
+/// Four wedges are next to the segment: either side of t, and of x. In each of them a line leads along it, off the
+/// plane of x by an infinitesimal amount and off that of t by a much smaller one. Winding numbers are counted where the
+/// line begins. They change where it pierces a triangle, so no other place needs a ray.
 class Cut {
  public:
   /// Of triangles of the surfaces `of_t` and `of_x`. Pre: both have an area and are not in parallel planes.

@@ -54,7 +54,7 @@ class ExactPoint {
   /// A bound of what rounding has changed a coordinate by; 0 if it has changed nothing.
   double rounding() const;
   bool operator==(const ExactPoint& other) const;
-  /// Which of two points is first along an axis: -1 for this one, 0 if they are equal there. Pre: their units are equal.
+  /// Which of two points is first along an axis: -1 for this one, 0 if they are equal there. Pre: both have one unit.
   int compare(const ExactPoint& other, std::size_t axis) const;
 
   /// On which side of the line from a to b the point is, seen along an axis: as orient2d().

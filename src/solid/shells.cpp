@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Based on  Half-facets and shells of Nef polyhedra [HachenbergerEtAl2007].
-// Differs   No arrangement is built. What is asked is which kinds of cells exist, so one probe of each shell, and a line
-//           along each cut of a half-facet that is crossed, is enough; docs/algorithms/solids.md has the proof.
+// Differs   No arrangement is built. What is asked is which kinds of cells exist, so one probe of each shell, and a
+//           line along each cut of a half-facet that is crossed, is enough; docs/algorithms/solids.md has the proof.
 #include "solid/shells.h"
 
 #include <algorithm>

@@ -63,8 +63,8 @@ class Shells {
   mesh::VertexLists<Meeting> meetings_;  // of each facet, sorted
   std::vector<bool> is_degenerate_;      // for each facet
   std::vector<bool> is_copy_;            // for each facet: whether one with the same corners comes before it
-  std::vector<Sides> cut_halves_;    // for each facet: its half-facets that others cross
-  DisjointSets shells_;              // of half-facets: 2 f, and 2 f + 1 for the back
+  std::vector<Sides> cut_halves_;        // for each facet: its half-facets that others cross
+  DisjointSets shells_;                  // of half-facets: 2 f, and 2 f + 1 for the back
 };
 
 }  // namespace limber::solid
