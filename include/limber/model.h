@@ -190,7 +190,7 @@ class ClosedSurface;
 
 /// What queries are about: the triangles of a model; with a radius, all points that are at most that far from a
 /// triangle; of a solid, also all points that its surface encloses. Keeps a pointer: the model that it is of, or that a
-/// shape has, must outlive it.
+/// shape has, must outlive it. All queries of a solid throw std::invalid_argument if its model has been reset() since.
 class Body {
  public:
   Body(const Model& model) : model_(&model) {}
@@ -217,6 +217,7 @@ class Body {
   const Model* model_;
   double radius_ = 0;
   bool is_solid_ = false;
+  std::uint64_t surface_id_ = 0;  // of a solid whose model may be reset()
   bool is_in_one_piece_ = false;  // whether all triangles are known to be connected by common vertices
 };
 

@@ -42,7 +42,7 @@ class SurfacePair {
 
 SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                                 const PoseLike& pose_b) {
-  return SurfacePair(a, b, pose_a, pose_b).ask(solid_relation);
+  return SurfacePair(a, b, pose_a, pose_b).ask(solid_relation, SolidRelationOptions{});
 }
 
 using Surfaces = Named<"Iterable[ClosedSurface | None]">;
@@ -96,7 +96,8 @@ void bind_relations(nb::module_& m) {
       .value("overlapping", SolidRelation::overlapping, docs::SolidRelation_overlapping)
       .value("a_inside_b", SolidRelation::a_inside_b, docs::SolidRelation_a_inside_b)
       .value("b_inside_a", SolidRelation::b_inside_a, docs::SolidRelation_b_inside_a)
-      .value("equal", SolidRelation::equal, docs::SolidRelation_equal);
+      .value("equal", SolidRelation::equal, docs::SolidRelation_equal)
+      .value("undecided", SolidRelation::undecided, docs::SolidRelation_undecided);
   ValueClass<SolidRelationResult>(m, "SolidRelationResult", "What solid_relation() has found.")
       .field("relation", &SolidRelationResult::relation, docs::SolidRelation)
       .field("witness", &SolidRelationResult::witness, docs::SolidRelationResult_witness)

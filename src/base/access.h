@@ -24,6 +24,12 @@ struct Access {
     return body.is_in_one_piece_;
   }
 
+  /// The surface of a solid, which its model may lose; 0 for other bodies, and for shapes, which do not change.
+  template <typename Body>
+  static std::uint64_t surface_id(const Body& body) {
+    return body.surface_id_;
+  }
+
   /// The model of a placed closed surface.
   ///
   /// Throws   std::invalid_argument if the model has been reset() since its surface was created.

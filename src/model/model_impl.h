@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -23,6 +25,10 @@ struct Model::Impl {
     scratch.resize(mesh.positions().size());
   }
 
+  /// Tells the mesh from all others, also from those in the same memory: solids remember it.
+  static inline std::atomic<std::uint64_t> last_surface_id = 0;
+  const std::uint64_t surface_id = ++last_surface_id;
+
   Mesh mesh;
   ModelOptions options;
   bvh::Tree tree;
@@ -40,5 +46,13 @@ struct Model::Impl {
   mutable std::mutex edges_mutex;
   mutable std::optional<const MeshEdges> edges;  // once they have been asked for
 };
+
+/// Whether a body is no solid, or its model still has the surface that was found to be closed.
+///
+/// Pre: the model has not been moved from.
+inline bool has_its_surface(const Body& body) {
+  const std::uint64_t id = Access::surface_id(body);
+  return id == 0 || id == Access::impl(body.model()).surface_id;
+}
 
 }  // namespace limber

@@ -30,6 +30,12 @@ PlacedPair::PlacedPair(const Placed& a, const Placed& b)
   LIMBER_REQUIRE(b.model().is_committed(),
                  "limber: a query needs committed models; model b has moves without a commit(), "
                  "or has been moved from");
+  LIMBER_REQUIRE(has_its_surface(a.body()),
+                 "limber: model a of a query was reset() after it was made a solid, so ClosedSurface::create() must "
+                 "check it again");
+  LIMBER_REQUIRE(has_its_surface(b.body()),
+                 "limber: model b of a query was reset() after it was made a solid, so ClosedSurface::create() must "
+                 "check it again");
   LIMBER_REQUIRE(geometry::is_rigid(a.pose),
                  "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
   LIMBER_REQUIRE(geometry::is_rigid(b.pose),

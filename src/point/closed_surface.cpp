@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "limber/points.h"
 #include "mesh/closedness.h"
+#include "model/model_impl.h"
 #include "point/closest_point.h"
 #include "point/ray_crossings.h"
 
@@ -31,16 +32,19 @@ Result<ClosedSurface> ClosedSurface::create(const Model& model) {
   return ClosedSurface(model);
 }
 
-ClosedSurface::ClosedSurface(const Model& model) : model_(&model), triangles_(model.mesh().triangles()) {}
+ClosedSurface::ClosedSurface(const Model& model) : model_(&model), surface_id_(Access::impl(model).surface_id) {}
 
 Placed ClosedSurface::placed(const Transform& world_from_model) const {
-  const std::vector<Corners>& triangles = model_->mesh().triangles();
-  LIMBER_REQUIRE(triangles.data() == triangles_.data() && triangles.size() == triangles_.size(),
+  LIMBER_REQUIRE(model_->is_valid(), "limber::ClosedSurface: the model has been moved from");
+  LIMBER_REQUIRE(Access::impl(*model_).surface_id == surface_id_,
                  "limber::ClosedSurface: the model has been reset, so whether it is closed must be checked again");
   return {*model_, world_from_model};
 }
 
-Body::Body(const ClosedSurface& solid) : model_(&Access::placed(PlacedSurface(solid)).model()), is_solid_(true) {}
+Body::Body(const ClosedSurface& solid)
+    : model_(&Access::placed(PlacedSurface(solid)).model()),
+      is_solid_(true),
+      surface_id_(Access::impl(*model_).surface_id) {}
 
 bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
   return winding_number(point, world_from_model).value_or(1) != 0;

@@ -30,6 +30,9 @@ const Model::Impl& checked(const Placed& placed) {
   LIMBER_REQUIRE(placed.model().is_committed(),
                  "limber: a query needs a committed model; this one has moves without a commit(), "
                  "or has been moved from");
+  LIMBER_REQUIRE(has_its_surface(placed.body()),
+                 "limber: the model of a query was reset() after it was made a solid, so ClosedSurface::create() must "
+                 "check it again");
   LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
                  "limber: a query needs a rigid pose; that of the model is not (see is_rigid())");
   return Access::impl(placed.model());

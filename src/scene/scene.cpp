@@ -126,9 +126,12 @@ void Scene::Impl::update_bounds(ObjectId id) {
 void Scene::commit() {
   const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("commit");
-  for (const Impl::Object& object : scene.objects) {
+  for (ObjectId id = 0; id < scene.objects.size(); ++id) {
+    const Impl::Object& object = scene.objects[id];
     LIMBER_REQUIRE(!object.exists || object.placed.model().is_committed(),
                    "limber::Scene::commit: a model of the scene has moves that are not committed, or was moved from");
+    LIMBER_REQUIRE_ENTRY(!object.exists || has_its_surface(object.placed.body()), "limber::Scene::commit: objects", id,
+                         "is a solid whose model has been reset(): remove it, and add its closed surface anew");
   }
   if (!scene.is_changed && scene.is_committed()) return;
   scene.is_changed = true;  // in case a step throws
@@ -179,6 +182,7 @@ void scene::check_placed(const Placed& model, const char* function) {
   const auto text = [&](const char* what) { return std::string(function) + ": " + what; };
   LIMBER_REQUIRE(model.model().is_committed(),
                  text("the model has moves that are not committed, or has been moved from").c_str());
+  LIMBER_REQUIRE(has_its_surface(model.body()), text("the model was reset() after it was made a solid").c_str());
   LIMBER_REQUIRE(geometry::is_rigid(model.pose), text("the pose is not rigid (see is_rigid())").c_str());
 }
 

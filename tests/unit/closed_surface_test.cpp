@@ -7,14 +7,19 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/winding.h"
+#include "limber/distance.h"
 #include "limber/points.h"
+#include "limber/scene.h"
+#include "limber/shapes.h"
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "simd/kernels.h"
@@ -307,6 +312,49 @@ TEST(WindingNumber, IsANumberAtEveryScaleAndOnTriangles) {
     const Vec3 point = rng.below(3) == 0 ? t[rng.below(3)] : scale * lattice_point(rng);
     const double found = geometry::half_solid_angle(point, t);
     ASSERT_TRUE(std::abs(found) <= 3.1415926535897936) << "case " << i;
+  }
+}
+
+TEST(ClosedSurface, IsRefusedByAllThatKeptItOnceItsModelIsReset) {
+  Mesh open = box_mesh({0, 0, 0}, {4, 4, 4});
+  open = Mesh::create(open.positions(), {open.triangles().begin(), open.triangles().end() - 1}).value();
+  const auto expect_refused = [](const auto& query, const char* words) {
+    try {
+      query();
+      ADD_FAILURE() << words;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  };
+  const Shape dot = Shape::sphere(0.01);
+  const Transform inside{{}, {2, 2, 2}};
+  const auto reset = [](Mesh mesh) { return [mesh](Model& m) { m.reset(mesh), m.reset(mesh); }; };
+  const auto replace = [&](Model& m) { m = Model(open); };
+  const auto swap = [&](Model& m) { Model other(open); std::swap(m, other); };
+  for (const std::function<void(Model&)>& change :
+       {std::function<void(Model&)>(reset(open)), {reset(box_mesh({0, 0, 0}, {4, 4, 4}))}, {replace}, {swap}}) {
+    Model model(box_mesh({0, 0, 0}, {4, 4, 4}));
+    const ClosedSurface surface = ClosedSurface::create(model).value();
+    const Placed solid = surface.solid(), probe(dot, inside);
+    limber::Scene scene;
+    const ObjectId id = scene.add(solid);
+    static_cast<void>(scene.add(probe));
+    scene.commit();
+    ASSERT_TRUE(collide(solid, probe).is_yes());
+    change(model);
+    expect_refused([&] { static_cast<void>(collide(solid, probe)); }, "model a of a query was reset()");
+    expect_refused([&] { static_cast<void>(distance(probe, solid)); }, "model b of a query was reset()");
+    expect_refused([&] { static_cast<void>(closest_point(solid, {2, 2, 2})); }, "was reset()");
+    expect_refused([&] { static_cast<void>(surface.contains({2, 2, 2})); }, "has been reset");
+    expect_refused([&] { static_cast<void>(surface.solid()); }, "has been reset");
+    expect_refused([&] { static_cast<void>(scene.any_within(0)); }, "since the last commit");
+    expect_refused([&] { scene.commit(); }, "objects[0] is a solid whose model has been reset()");
+    expect_refused([&] { static_cast<void>(scene.add(solid)); }, "reset()");
+    scene.remove(id);
+    scene.commit();
+    EXPECT_EQ(scene.size(), 1U);
+    // Bodies that are no solids go on with the new mesh.
+    EXPECT_TRUE(collide(model, {model}).is_yes());
   }
 }
 

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <iostream>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -401,6 +404,82 @@ TEST(ExactPoint, DecidesAsRationalsDo) {
     }
   }
   EXPECT_GT(zeros, 100);
+}
+
+/// m bars along x through m bars along y, all of which stand on the plane z = 0.
+Mesh grating(int m) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  const auto add = [&](const Vec3& low, const Vec3& high) {
+    const std::vector<Corners> box = box_triangles(static_cast<VertexId>(positions.size()));
+    triangles.insert(triangles.end(), box.begin(), box.end());
+    for (const Vec3& p : box_corners(low, high)) positions.push_back(p);
+  };
+  for (int i = 0; i < m; ++i) {
+    add({i + 0.1, 0, 0}, {i + 0.4, double(m), 0.5});
+    add({0, i + 0.6, 0}, {double(m), i + 0.8, 0.25});
+  }
+  return small_mesh(positions, triangles);
+}
+
+// Four times as many crossings may take somewhat more than four times the work: a ray meets twice as many bars.
+TEST(SolidRelation, TakesWorkInProportionToCrossings) {
+  std::uint64_t last = 0;
+  for (const int m : {4, 8, 16}) {
+    const Mesh bars = grating(m), floor = box_mesh({-1, -1, -1}, {m + 1.0, m + 1.0, 0});
+    const SolidRelationResult found = relation_of(bars, floor);
+    EXPECT_EQ(found.relation, SolidRelation::touching) << m;
+    const std::uint64_t work = found.stats.node_tests + found.stats.primitive_tests;
+    EXPECT_LT(work, last > 0 ? 6 * last : work + 1) << m;
+    last = work;
+  }
+}
+
+TEST(SolidRelation, OfASpentBudgetIsUndecidedUntilItIsProven) {
+  const Model bars(grating(4)), floor(box_mesh({-1, -1, -1}, {5, 5, 0})), far(box_mesh({9, 9, 9}, {10, 10, 10}));
+  const ClosedSurface of_bars = ClosedSurface::create(bars).value(), of_floor = ClosedSurface::create(floor).value();
+  const std::atomic<bool> cancel = true;
+  const auto past = std::chrono::steady_clock::now();
+  const std::pair<StoppedBy, QueryBudget> spent[] = {
+      {StoppedBy::deadline, {.deadline = past}},
+      {StoppedBy::cancel, {.cancel = &cancel}},
+      {StoppedBy::max_steps, {.max_steps = 0}}};
+  for (const auto& [reason, budget] : spent) {
+    const SolidRelationResult found = solid_relation(of_bars, of_floor, {budget});
+    EXPECT_EQ(found.relation, SolidRelation::undecided);
+    EXPECT_EQ(found.stopped_by, reason);
+    EXPECT_EQ(solid_relation(of_bars, ClosedSurface::create(far).value(), {budget}).relation, SolidRelation::apart);
+    const std::optional<PlacedSurface> surfaces[] = {of_bars, of_floor};
+    const ObjectPair pairs[] = {{0, 1}, {1, 0}};
+    SolidRelationResult results[2];
+    solid_relation_many(surfaces, pairs, results, {budget});
+    for (const SolidRelationResult& r : results) EXPECT_EQ(r.stopped_by, reason);
+  }
+  // Where it ends, as steps grow: in each phase at some time.
+  bool is_decided = false;
+  for (std::uint64_t steps = 1; !is_decided; steps += 1 + steps / 16) {
+    const SolidRelationResult found = solid_relation(of_bars, of_floor, {{.max_steps = steps}});
+    is_decided = found.relation != SolidRelation::undecided;
+    EXPECT_EQ(found.stopped_by, is_decided ? StoppedBy::nothing : StoppedBy::max_steps) << steps;
+    EXPECT_EQ(found.relation, is_decided ? SolidRelation::touching : SolidRelation::undecided);
+    ASSERT_LT(steps, 1000000U);
+  }
+}
+
+TEST(SolidRelation, OfLargeSurfacesKeepsItsDeadline) {
+  const Model ball(scenes::ball(200, 150)), same(scenes::ball(200, 150));
+  const ClosedSurface a = ClosedSurface::create(ball).value(), b = ClosedSurface::create(same).value();
+  std::vector<double> overruns_us;
+  for (int us = 100; us <= 100000; us += us / 4) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(us);
+    if (solid_relation(a, b, {{.deadline = deadline}}).stopped_by == StoppedBy::nothing) break;
+    const auto overrun = std::chrono::steady_clock::now() - deadline;
+    overruns_us.push_back(std::chrono::duration<double, std::micro>(overrun).count());
+  }
+  ASSERT_GT(overruns_us.size(), 10U);
+  std::sort(overruns_us.begin(), overruns_us.end());
+  std::cout << "overruns: median " << overruns_us[overruns_us.size() / 2] << " us, most " << overruns_us.back() << "\n";
+  EXPECT_LT(overruns_us[overruns_us.size() / 2], 3000);  // far above what it is, as machines of tests have other work
 }
 
 }  // namespace

@@ -45,7 +45,8 @@ const char* to_text(Clash clash) {
 }
 
 const char* to_text(SolidRelation relation) {
-  static constexpr const char* words[] = {"apart", "touching", "overlapping", "a_inside_b", "b_inside_a", "equal"};
+  static constexpr const char* words[] = {"apart",      "touching", "overlapping", "a_inside_b",
+                                          "b_inside_a", "equal",    "undecided"};
   return words[static_cast<std::size_t>(relation)];
 }
 
