@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "budget.h"
 #include "closed_surface.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 #include "value_class.h"
@@ -29,10 +31,10 @@ class SurfacePair {
         a_(a.surface(), pose_from(pose_a, "pose_a")),
         b_(b.surface(), pose_from(pose_b, "pose_b")) {}
 
-  /// Calls query(a, b, rest...), both placed, without the GIL.
-  template <typename Query, typename... Rest>
-  auto ask(const Query& query, const Rest&... rest) const {
-    return without_gil([&] { return query(a_, b_, rest...); });
+  /// Calls query(a, b, budget), both placed, without the GIL.
+  template <typename Query>
+  auto ask(const BudgetObject* given, const Query& query) const {
+    return interruptible(given, [&](const QueryBudget& budget) { return query(a_, b_, budget); });
   }
 
  private:
@@ -42,7 +44,10 @@ class SurfacePair {
 
 SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                                 const PoseLike& pose_b) {
-  return SurfacePair(a, b, pose_a, pose_b).ask(solid_relation);
+  return SurfacePair(a, b, pose_a, pose_b)
+      .ask(nullptr, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget&) {
+        return solid_relation(placed_a, placed_b);
+      });
 }
 
 using Surfaces = Named<"Iterable[ClosedSurface | None]">;
@@ -64,29 +69,37 @@ RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const
   }
   std::vector<ObjectPair> asked;
   for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
-  std::vector<SolidRelationResult> results(asked.size());
-  without_gil([&] { solid_relation_many(placed, asked, results); });
-  return recorded(results, dtypes().solid_relation);
+  const auto names_surface = [&](std::uint32_t id) { return id < placed.size() && placed[id].has_value(); };
+  const bool is_refused = !std::all_of(asked.begin(), asked.end(), [&](const ObjectPair& pair) {
+    return names_surface(pair.a) && names_surface(pair.b);
+  });
+  const auto ask = [&](auto part, auto results, const QueryBudget&) { solid_relation_many(placed, part, results); };
+  return recorded_in_parts<SolidRelationResult>(asked, is_refused, nullptr, dtypes().solid_relation, ask);
 }
 
 DeepestVertices deepest_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                            const PoseLike& pose_b, const BudgetObject* budget) {
-  return SurfacePair(a, b, pose_a, pose_b).ask(deepest_vertices, DeepestVerticesOptions{budget_of(budget)});
+  return SurfacePair(a, b, pose_a, pose_b)
+      .ask(budget, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return deepest_vertices(placed_a, placed_b, {limits});
+      });
 }
 
 SeparatingTranslation separating_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const ArrayLike& direction,
                                     const PoseLike& pose_a, const PoseLike& pose_b, const BudgetObject* budget) {
   const Vec3 along = point_from(direction, "direction");
   return SurfacePair(a, b, pose_a, pose_b)
-      .ask(separating_translation, along, SeparatingTranslationOptions{budget_of(budget)});
+      .ask(budget, [&](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return separating_translation(placed_a, placed_b, along, {limits});
+      });
 }
 
 SolidDistance signed_distance_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                                  const PoseLike& pose_b, double relative_error, const BudgetObject* budget) {
-  const SolidDistanceOptions options{relative_error, budget_of(budget)};
-  return SurfacePair(a, b, pose_a, pose_b).ask([&](const PlacedSurface& placed_a, const PlacedSurface& placed_b) {
-    return signed_distance(placed_a, placed_b, options);
-  });
+  return SurfacePair(a, b, pose_a, pose_b)
+      .ask(budget, [&](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return signed_distance(placed_a, placed_b, {relative_error, limits});
+      });
 }
 
 void bind_relations(nb::module_& m) {
