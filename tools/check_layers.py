@@ -29,7 +29,7 @@ PRIVATE = {
     "path": ("geometry", "base"),
     "solid": ("pair", "point", "model", "mesh", "bvh", "geometry", "simd", "base"),
     "scene": ("path", "model", "bvh", "geometry", "simd", "base"),
-    "penetration": ("point", "pair/budget_meter.h", "model", "mesh", "bvh", "geometry", "simd", "base"),
+    "penetration": ("point", "pair/meter.h", "model", "mesh", "bvh", "geometry", "simd", "base"),
     "classic": ("mesh", "geometry", "base"),
     "io": ("base/check.h", "base/float_environment.h"),
 }

@@ -84,16 +84,17 @@ inline bool may_take_long(const Body& a, const Body& b) {
 template <typename Ask, typename Results>
 void in_parts(std::size_t count, bool is_one, const BudgetObject* given, const Ask& ask, const Results& results) {
   constexpr double least_s = 0.03, most_s = 0.12;
-  std::size_t begin = 0, size = is_one ? count : 64;
+  std::size_t begin = 0, done = 0, size = is_one ? count : 64;
   do {
     const std::size_t end = begin + std::min(size, count - begin);
     const auto start = std::chrono::steady_clock::now();
     try {
       interruptible(given, [&](const QueryBudget& budget) { return ask(begin, end, budget), true; });
+      done = end;
       run_signal_handlers();
     } catch (nb::python_error& error) {
       if (!error.matches(PyExc_KeyboardInterrupt)) throw;
-      raise_interrupted(results(begin), begin);
+      raise_interrupted(results(done), done);
     }
     const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (elapsed_s < least_s) size *= 4;

@@ -48,7 +48,8 @@ void bind_closed_surface(nb::module_& m) {
   nb::class_<ClosedSurfaceObject>(m, "ClosedSurface", docs::ClosedSurface,
                                   nb::type_slots(collectable<ClosedSurfaceObject>))
       .def(nb::init<nb::handle_t<ModelObject>>(), "model"_a,
-           "Raises ValueError, naming an edge, if the surface is not closed and oriented. Takes O(n log n).")
+           "Raises ValueError, naming an edge, if the surface is not closed and oriented. Of such a surface\n"
+           "generalized_winding_number() tells inside from outside. Takes O(n log n).")
       .def_prop_ro("model", &ClosedSurfaceObject::model, "The model.")
       .def(
           "__reduce__",

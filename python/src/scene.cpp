@@ -135,21 +135,23 @@ Named<"ManyContacts"> contacts_of_pairs(SceneObject& self, const ArrayLike& pair
   ObjectContacts found;
   std::vector<Contact> contacts;
   std::vector<std::int64_t> offsets{0};
-  const auto all = [&](std::size_t) {
+  const auto first = [&](std::size_t count) {
+    offsets.resize(count + 1), contacts.resize(static_cast<std::size_t>(offsets.back()));
     return result("ManyContacts", "contacts"_a = array_of(std::span<const Contact>(contacts), dtypes().contact),
                   "offsets"_a = array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()}));
   };
   self.read([&](const Scene& scene) {
     const auto ask = [&](std::size_t begin, std::size_t end, const QueryBudget&) {
+      offsets.resize(begin + 1), contacts.resize(static_cast<std::size_t>(offsets.back()));  // if asked again
       scene.contacts(std::span(asked).subspan(begin, end - begin), margin, found, {oriented_faces});
       for (std::size_t i = 1; i < found.offsets.size(); ++i) {
         offsets.push_back(static_cast<std::int64_t>(contacts.size() + found.offsets[i]));
       }
       contacts.insert(contacts.end(), found.contacts.begin(), found.contacts.end());
     };
-    in_parts(asked.size(), names_no_object(scene, asked), nullptr, ask, all);
+    in_parts(asked.size(), names_no_object(scene, asked), nullptr, ask, first);
   });
-  return all(0);
+  return first(asked.size());
 }
 
 /// Asks query(scene, pairs, results, cache, budget) about pairs of objects; its answers as an array of records.

@@ -107,7 +107,8 @@ void bind_bodies(nb::module_& m) {
       .def(
           "__reduce__",
           [](const ShapeObject& self) {
-            return nb::make_tuple(nb::type<ShapeObject>().attr(self.made_by[0]), nb::object(self.made_by[1]));
+            const nb::object caller = nb::module_::import_("operator").attr("methodcaller");
+            return nb::make_tuple(caller(self.made_by[0], *self.made_by[1]), nb::make_tuple(nb::type<ShapeObject>()));
           },
           nb::sig("def __reduce__(self) -> tuple[Any, ...]"))
       .def_prop_ro(

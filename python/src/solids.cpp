@@ -43,16 +43,17 @@ class SurfacePair {
 };
 
 SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
-                                const PoseLike& pose_b) {
+                                const PoseLike& pose_b, const BudgetObject* budget) {
   return SurfacePair(a, b, pose_a, pose_b)
-      .ask(nullptr, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget&) {
-        return solid_relation(placed_a, placed_b);
+      .ask(budget, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return solid_relation(placed_a, placed_b, {limits});
       });
 }
 
 using Surfaces = Named<"Iterable[ClosedSurface | None]">;
 
-RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const PosesLike& poses) {
+RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const PosesLike& poses,
+                         const BudgetObject* budget) {
   std::vector<nb::object> owners;  // the caller's list may change meanwhile
   for (const nb::handle surface : nb::iter(surfaces)) owners.push_back(nb::borrow(surface));
   const PoseList standing(poses, "poses");
@@ -73,8 +74,10 @@ RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const
   const bool is_refused = !std::all_of(asked.begin(), asked.end(), [&](const ObjectPair& pair) {
     return names_surface(pair.a) && names_surface(pair.b);
   });
-  const auto ask = [&](auto part, auto results, const QueryBudget&) { solid_relation_many(placed, part, results); };
-  return recorded_in_parts<SolidRelationResult>(asked, is_refused, nullptr, dtypes().solid_relation, ask);
+  const auto ask = [&](auto part, auto results, const QueryBudget& limits) {
+    solid_relation_many(placed, part, results, {limits});
+  };
+  return recorded_in_parts<SolidRelationResult>(asked, is_refused, budget, dtypes().solid_relation, ask);
 }
 
 DeepestVertices deepest_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
@@ -109,14 +112,17 @@ void bind_relations(nb::module_& m) {
       .value("overlapping", SolidRelation::overlapping, docs::SolidRelation_overlapping)
       .value("a_inside_b", SolidRelation::a_inside_b, docs::SolidRelation_a_inside_b)
       .value("b_inside_a", SolidRelation::b_inside_a, docs::SolidRelation_b_inside_a)
-      .value("equal", SolidRelation::equal, docs::SolidRelation_equal);
+      .value("equal", SolidRelation::equal, docs::SolidRelation_equal)
+      .value("undecided", SolidRelation::undecided, docs::SolidRelation_undecided);
   ValueClass<SolidRelationResult>(m, "SolidRelationResult", "What solid_relation() has found.")
       .field("relation", &SolidRelationResult::relation, docs::SolidRelation)
       .field("witness", &SolidRelationResult::witness, docs::SolidRelationResult_witness)
+      .field("stopped_by", &SolidRelationResult::stopped_by, docs::SolidRelationResult_stopped_by)
       .field("stats", &SolidRelationResult::stats, docs::QueryStats);
-  m.def("solid_relation", &relation_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        docs::solid_relation);
-  m.def("solid_relation_many", &relations_of, "surfaces"_a, "pairs"_a, "poses"_a = nb::none(),
+  m.def("solid_relation", &relation_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
+        "budget"_a = nb::none(), docs::solid_relation);
+  m.def("solid_relation_many", &relations_of, "surfaces"_a, "pairs"_a, "poses"_a = nb::none(), nb::kw_only(),
+        "budget"_a = nb::none(),
         (std::string(R"(solid_relation() of many pairs, on all threads.
 
 Pairs    name surfaces by their place in the list, (n, 2). If surfaces[id] is that of object `id` of a Scene, and

@@ -51,18 +51,20 @@ struct TriangleSide {
 
 /// Calls visit(low, sides) for every edge, in the order of its smaller vertex id, `low`, then of its larger one. The
 /// sides are in the order of triangles and corners. A side from a vertex to itself, of a triangle that repeats the id,
-/// counts as an edge here: low is then sides[0].high.
-template <typename Visit>
-void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count, const Visit& visit) {
+/// counts as an edge here: low is then sides[0].high. goes_on(i) is asked before the i-th triangle or vertex of a loop;
+/// once it says no, it has to keep saying so, and not all edges are visited.
+template <typename Visit, typename GoesOn>
+void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count, const Visit& visit,
+                   const GoesOn& goes_on) {
   VertexLists<TriangleSide> sides_of(vertex_count, [&](const auto& add) {
-    for (TriangleId t = 0; t < triangles.size(); ++t) {
+    for (TriangleId t = 0; t < triangles.size() && goes_on(t); ++t) {
       for (std::uint32_t k = 0; k < 3; ++k) {
         const VertexId v = triangles[t][k], w = triangles[t][geometry::next_corner[k]];
         add(std::min(v, w), TriangleSide{std::max(v, w), t, k});
       }
     }
   });
-  for (VertexId low = 0; low < vertex_count; ++low) {
+  for (VertexId low = 0; low < vertex_count && goes_on(low); ++low) {
     std::span<TriangleSide> sides = sides_of.of(low);
     std::sort(sides.begin(), sides.end(), [](const TriangleSide& s, const TriangleSide& t) {
       if (s.high != t.high) return s.high < t.high;
@@ -75,6 +77,10 @@ void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count,
       sides = sides.subspan(count);
     }
   }
+}
+template <typename Visit>
+void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count, const Visit& visit) {
+  for_each_edge(triangles, vertex_count, visit, [](std::size_t) { return true; });
 }
 
 }  // namespace limber::mesh

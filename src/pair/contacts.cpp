@@ -79,10 +79,11 @@ PairOptions pair_options(const ClosestPairsOptions& options) {
 
 }  // namespace
 
-void pair::visit_placed_self_intersections(const Placed& model, TrianglePairVisitor visit, QueryStats& stats) {
+StoppedBy pair::visit_placed_self_intersections(const Placed& model, TrianglePairVisitor visit,
+                                                const QueryBudget& budget, QueryStats& stats) {
   AllIntersections<PairsOfOne> collector(PairsOfOne(model.model().mesh(), {}), visit);
-  BudgetMeter meter;  // without limits
-  search_all(PlacedPair(model, model), collector, meter, stats);
+  BudgetMeter meter(budget);
+  return search_all(PlacedPair(model, model), collector, meter, stats);
 }
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {

@@ -13,7 +13,7 @@ namespace limber::penetration {
 CommonBallsSearch::CommonBallsSearch(const point::PlacedModel& a, const point::PlacedModel& b)
     : a_(a), b_(b), closest_a_(a), closest_b_(b) {}
 
-std::optional<CommonBalls> CommonBallsSearch::at(const Vec3& point, Meter& meter) {
+std::optional<CommonBalls> CommonBallsSearch::at(const Vec3& point, pair::Meter& meter) {
   for (const point::PlacedModel* model : {&a_, &b_}) {
     const point::Surrounding surrounding = point::surrounding_of(*model, point, meter.stats);
     if (!surrounding.is_on && surrounding.winding_number == 0) return std::nullopt;
@@ -25,7 +25,7 @@ std::optional<CommonBalls> CommonBallsSearch::at(const Vec3& point, Meter& meter
   return CommonBalls{point, a->distance + b->distance, way_out(a_, point, *a), way_out(b_, point, *b)};
 }
 
-void CommonBallsSearch::climb(const Vec3& start, double reach, Meter& meter) {
+void CommonBallsSearch::climb(const Vec3& start, double reach, pair::Meter& meter) {
   if (meter.is_spent()) return;
   std::optional<CommonBalls> here = at(start, meter);
   if (!here) return;

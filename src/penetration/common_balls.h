@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "limber/math.h"
-#include "penetration/meter.h"
+#include "pair/meter.h"
 #include "point/closest_point.h"
 #include "point/placed_model.h"
 
@@ -25,10 +25,10 @@ class CommonBallsSearch {
   CommonBallsSearch(const point::PlacedModel& a, const point::PlacedModel& b);
 
   /// The balls about a point; nothing if it is not in both bodies.
-  std::optional<CommonBalls> at(const Vec3& point, Meter& meter);
+  std::optional<CommonBalls> at(const Vec3& point, pair::Meter& meter);
 
   /// Goes uphill from a point while that makes the balls larger. The first step is at most `reach` long.
-  void climb(const Vec3& start, double reach, Meter& meter);
+  void climb(const Vec3& start, double reach, pair::Meter& meter);
 
   const std::optional<CommonBalls>& best() const { return best_; }
 

@@ -22,7 +22,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Lengths in a model's frame and in the world differ by that factor at most, as rotations are only nearly orthonormal.
 constexpr double stretch = 1 + base::rigidity_error;
 
-bool contains(const point::PlacedModel& solid, const Vec3& point, Meter& meter) {
+bool contains(const point::PlacedModel& solid, const Vec3& point, pair::Meter& meter) {
   const point::Surrounding surrounding = point::surrounding_of(solid, point, meter.stats);
   return surrounding.is_on || surrounding.winding_number != 0;
 }
@@ -51,7 +51,7 @@ double DeepestVertexSearch::upper() const {
   return upper;
 }
 
-void DeepestVertexSearch::run(Meter& meter) {
+void DeepestVertexSearch::run(pair::Meter& meter) {
   while (!waiting_.empty() && can_win(waiting_.front().bound) && !meter.is_spent()) {
     std::pop_heap(waiting_.begin(), waiting_.end(), is_later);
     const Entry next = waiting_.back();
@@ -90,7 +90,7 @@ double DeepestVertexSearch::reach_from(const Vec3& surface, bvh::SlotId slot) co
 }
 
 /// How deep the center of a slot is; nothing if no vertex below it can win.
-std::optional<DeepestVertexSearch::Depth> DeepestVertexSearch::depth_at(const Entry& entry, Meter& meter) {
+std::optional<DeepestVertexSearch::Depth> DeepestVertexSearch::depth_at(const Entry& entry, pair::Meter& meter) {
   const Vec3 center = center_of(entry.slot);
   const bool is_inside = entry.is_inside || contains(solid_, center, meter);
   double farthest = infinity;
@@ -119,7 +119,7 @@ void DeepestVertexSearch::add_children(const Entry& entry, const Depth& center) 
   }
 }
 
-void DeepestVertexSearch::compare_vertices(const Entry& entry, const Depth& center, Meter& meter) {
+void DeepestVertexSearch::compare_vertices(const Entry& entry, const Depth& center, pair::Meter& meter) {
   const bvh::Leaf& leaf = bvh::leaf_of(model_.tree(), entry.slot);
   for (const Corners& corners : leaf.vertices) {
     for (const VertexId v : corners) {
@@ -133,7 +133,7 @@ void DeepestVertexSearch::compare_vertices(const Entry& entry, const Depth& cent
   }
 }
 
-void DeepestVertexSearch::compare(VertexId v, const Vec3& position, double farthest, bool is_inside, Meter& meter) {
+void DeepestVertexSearch::compare(VertexId v, const Vec3& position, double farthest, bool is_inside, pair::Meter& meter) {
   is_compared_[v] = true;
   if (!is_inside && !contains(solid_, position, meter)) return;
   const std::optional<SurfacePoint> closest = closest_.find(position, farthest, meter.stats);

@@ -7,7 +7,7 @@
 
 #include "bvh/tree.h"
 #include "limber/penetration.h"
-#include "penetration/meter.h"
+#include "pair/meter.h"
 #include "point/closest_point.h"
 #include "point/placed_model.h"
 
@@ -22,7 +22,7 @@ class DeepestVertexSearch {
   DeepestVertexSearch(const point::PlacedModel& model, const point::PlacedModel& solid);
 
   /// Searches until the meter is spent, and keeps what is deepest.
-  void run(Meter& meter);
+  void run(pair::Meter& meter);
 
   const std::optional<DeepestVertex>& deepest() const { return best_; }
   /// No vertex is deeper in the solid than this, up to rounding; below 0 if none is in it.
@@ -47,10 +47,10 @@ class DeepestVertexSearch {
   Vec3 center_of(bvh::SlotId slot) const;
   double radius_of(bvh::SlotId slot) const;
   double reach_from(const Vec3& surface, bvh::SlotId slot) const;
-  std::optional<Depth> depth_at(const Entry& entry, Meter& meter);
+  std::optional<Depth> depth_at(const Entry& entry, pair::Meter& meter);
   void add_children(const Entry& entry, const Depth& center);
-  void compare_vertices(const Entry& entry, const Depth& center, Meter& meter);
-  void compare(VertexId v, const Vec3& position, double farthest, bool is_inside, Meter& meter);
+  void compare_vertices(const Entry& entry, const Depth& center, pair::Meter& meter);
+  void compare(VertexId v, const Vec3& position, double farthest, bool is_inside, pair::Meter& meter);
 
   const point::PlacedModel &model_, &solid_;
   point::ClosestPointSearch closest_;

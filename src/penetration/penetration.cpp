@@ -21,7 +21,7 @@ DeepestVertices deepest_vertices(const PlacedSurface& a, const PlacedSurface& b,
                                  const DeepestVerticesOptions& options) {
   const base::DefaultFloatEnvironment environment;
   const point::PlacedModel placed_a(Access::placed(a)), placed_b(Access::placed(b));
-  penetration::Meter meter(options.budget);
+  pair::Meter meter(options.budget);
   const DeepestPair found = penetration::find_deepest(placed_a, placed_b, meter);
   return {found, meter.stopped_by(), meter.stats};
 }
@@ -32,7 +32,7 @@ SeparatingTranslation separating_translation(const PlacedSurface& a, const Place
   LIMBER_REQUIRE(is_finite(direction) && max_abs(direction) > 0,
                  "limber::separating_translation: the direction must be finite, and not 0");
   const point::PlacedModel placed_a(Access::placed(a)), placed_b(Access::placed(b));
-  penetration::Meter meter(options.budget);
+  pair::Meter meter(options.budget);
   penetration::Sweep sweep(placed_a, placed_b);
   SeparatingTranslation result;
   result.direction = penetration::unit(direction * (max_abs(direction) > 1 ? 0x1p-100 : 1));
@@ -47,7 +47,7 @@ SolidDistance signed_distance(const PlacedSurface& a, const PlacedSurface& b, co
   LIMBER_REQUIRE(base::is_finite_and_not_negative(options.relative_error),
                  "limber::signed_distance: relative_error must be finite and at least 0");
   const Placed placed_a = Access::placed(a), placed_b = Access::placed(b);
-  penetration::Meter meter(options.budget);
+  pair::Meter meter(options.budget);
   SolidDistance result;
   const DistanceResult apart = distance(placed_a, placed_b, {.budget = options.budget});
   result.deepest = penetration::find_deepest(point::PlacedModel(placed_a), point::PlacedModel(placed_b), meter);

@@ -53,13 +53,13 @@ struct PointSample {
 
 }  // namespace
 
-DeepestPair find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, Meter& meter) {
+DeepestPair find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, pair::Meter& meter) {
   DeepestVertexSearch of_a(a, b), of_b(b, a);
   of_a.run(meter), of_b.run(meter);
   return {of_a.deepest(), of_b.deepest(), std::max({of_a.upper(), of_b.upper(), 0.0})};
 }
 
-ShortestTranslation::ShortestTranslation(const Placed& a, const Placed& b, double relative_error, Meter& meter)
+ShortestTranslation::ShortestTranslation(const Placed& a, const Placed& b, double relative_error, pair::Meter& meter)
     : a_(a),
       b_(b),
       placed_a_(a),

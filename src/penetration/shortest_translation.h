@@ -8,7 +8,7 @@
 #include "limber/model.h"
 #include "limber/penetration.h"
 #include "penetration/common_balls.h"
-#include "penetration/meter.h"
+#include "pair/meter.h"
 #include "penetration/sweep.h"
 #include "point/placed_model.h"
 
@@ -18,7 +18,7 @@ namespace limber::penetration {
 class ShortestTranslation {
  public:
   /// Starts with a translation that parts the bounding spheres.
-  ShortestTranslation(const Placed& a, const Placed& b, double relative_error, Meter& meter);
+  ShortestTranslation(const Placed& a, const Placed& b, double relative_error, pair::Meter& meter);
 
   /// Pre: the bodies have a common point. `deepest` are their deepest vertices.
   void run(const DeepestPair& deepest);
@@ -42,7 +42,7 @@ class ShortestTranslation {
   Placed a_, b_;
   point::PlacedModel placed_a_, placed_b_;
   double relative_error_;
-  Meter& meter_;
+  pair::Meter& meter_;
   Sweep sweep_;
   CommonBallsSearch balls_;
   std::vector<Vec3> starts_, directions_;
@@ -51,6 +51,6 @@ class ShortestTranslation {
 };
 
 /// The deepest vertices of two placed bodies.
-DeepestPair find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, Meter& meter);
+DeepestPair find_deepest(const point::PlacedModel& a, const point::PlacedModel& b, pair::Meter& meter);
 
 }  // namespace limber::penetration

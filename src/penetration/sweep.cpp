@@ -44,7 +44,7 @@ bool Sweep::is_later(const Entry& p, const Entry& q) {
   return p.bound != q.bound ? p.bound < q.bound : p.a != q.a ? p.a > q.a : p.b > q.b;
 }
 
-SweepResult Sweep::along(const Vec3& direction, Meter& meter, double enough) {
+SweepResult Sweep::along(const Vec3& direction, pair::Meter& meter, double enough) {
   LIMBER_ASSERT(std::abs(length_sq(direction) - 1) < 1e-12);
   set_direction(direction);
   best_ = {};
@@ -108,7 +108,7 @@ void Sweep::add(const Entry& entry) {
 }
 
 /// Replaces the larger volume by its children.
-void Sweep::expand(const Entry& entry, Meter& meter) {
+void Sweep::expand(const Entry& entry, pair::Meter& meter) {
   const bvh::Tree &tree_a = a_.model->tree(), &tree_b = b_.model->tree();
   const Projection of_a = project(a_, entry.a), of_b = project(b_, entry.b);
   const bool opens_a = bvh::has_leaf_or_coincides(tree_b, entry.b) ||
@@ -126,7 +126,7 @@ void Sweep::expand(const Entry& entry, Meter& meter) {
   }
 }
 
-void Sweep::compare_leaves(const Entry& entry, Meter& meter) {
+void Sweep::compare_leaves(const Entry& entry, pair::Meter& meter) {
   const bvh::Leaf& leaf_a = bvh::first_leaf(a_.model->tree(), entry.a).leaf;
   const bvh::Leaf& leaf_b = bvh::first_leaf(b_.model->tree(), entry.b).leaf;
   const auto triangles_of = [&](const Side& side, const bvh::Leaf& leaf) {

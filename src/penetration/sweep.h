@@ -10,7 +10,7 @@
 #include "limber/distance.h"
 #include "limber/math.h"
 #include "penetration/last_contact.h"
-#include "penetration/meter.h"
+#include "pair/meter.h"
 #include "point/placed_model.h"
 
 namespace limber::penetration {
@@ -31,7 +31,7 @@ class Sweep {
   Sweep(const point::PlacedModel& a, const point::PlacedModel& b);
 
   /// Pre: the direction has length 1. Ends early once b has to move by `enough` at least.
-  SweepResult along(const Vec3& direction, Meter& meter, double enough = std::numeric_limits<double>::infinity());
+  SweepResult along(const Vec3& direction, pair::Meter& meter, double enough = std::numeric_limits<double>::infinity());
 
   /// An upper bound of how much the rounding of placed vertices changes a length.
   double tolerance() const { return error_ / scale_; }
@@ -59,8 +59,8 @@ class Sweep {
   Projection project(const Side& side, bvh::SlotId slot) const;
   double bound_of(const Projection& a, const Projection& b) const;
   void add(const Entry& entry);
-  void expand(const Entry& entry, Meter& meter);
-  void compare_leaves(const Entry& entry, Meter& meter);
+  void expand(const Entry& entry, pair::Meter& meter);
+  void compare_leaves(const Entry& entry, pair::Meter& meter);
   void compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, const bvh::Leaf& leaf_b, std::size_t k,
                const Triangle& b);
 

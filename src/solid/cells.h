@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 #include "limber/distance.h"
+#include "pair/meter.h"
 #include "pair/placed_pair.h"
 #include "point/placed_model.h"
 #include "point/ray_crossings.h"
@@ -15,16 +17,28 @@ namespace limber::solid {
 /// Kinds of cells, into which two surfaces divide space: as bits of a set.
 enum Cell : unsigned { in_neither = 0, in_a_alone = 1, in_b_alone = 2, in_both = 3 };
 
+/// Of both surfaces, around a point.
+using WindingNumbers = std::array<int, 2>;
+
 /// Which kinds of cells there are. Each is found by a probe, or shown to be missing.
 class Cells {
  public:
-  Cells(const Placed& a, const Placed& b) : placed_{a, b}, a_(a), b_(b) {}
+  Cells(const Placed& a, const Placed& b, const QueryBudget& wanted = {})
+      : meter(wanted), budget(wanted), placed_{a, b}, a_(a), b_(b) {}
 
-  /// Finds the cell that a probe is in.
+  /// Finds the cell that a probe is in, unless the budget is spent before.
   template <typename Probe>
   void look(const Probe& probe) {
-    const bool is_in_a = winding_number(a_, probe) != 0, is_in_b = winding_number(b_, probe) != 0;
-    found_ |= bit((is_in_a ? in_a_alone : in_neither) | (is_in_b ? in_b_alone : in_neither));
+    const WindingNumbers numbers = winding_numbers(probe);
+    if (!is_stopped()) note_found(numbers);
+  }
+  /// Around a probe. They mean nothing if the budget was spent before they were known.
+  template <typename Probe>
+  WindingNumbers winding_numbers(const Probe& probe) {
+    return {winding_number(a_, probe), winding_number(b_, probe)};
+  }
+  void note_found(const WindingNumbers& numbers) {
+    found_ |= bit((numbers[0] != 0 ? in_a_alone : in_neither) | (numbers[1] != 0 ? in_b_alone : in_neither));
   }
   /// Finds the cells on both sides of a triangle, next to a corner.
   void look_beside(const Triangle& t, std::size_t corner) {
@@ -41,7 +55,11 @@ class Cells {
   const Placed& placed(pair::Side s) const { return placed_[pair::index(s)]; }
   const point::PlacedModel& model(pair::Side s) const { return s == pair::Side::a ? a_ : b_; }
 
-  QueryStats stats{};
+  /// Whether the budget has ended the search, so that what is not known stays so.
+  bool is_stopped() const { return meter.stopped_by() != StoppedBy::nothing; }
+
+  pair::Meter meter;
+  const QueryBudget budget;
 
  private:
   static unsigned bit(unsigned cell) { return 1U << cell; }
@@ -49,14 +67,15 @@ class Cells {
 
   template <typename Probe>
   int winding_number(const point::PlacedModel& model, const Probe& probe) {
-    ++stats.node_tests;
+    ++meter.stats.node_tests;
     const AxisDirection& off = probe.off();
     const auto ray = model.ray_along(probe.position(), probe.rounding(), off.axis, off.is_upward);
     int number = 0;
-    if (!ray) return number;
-    point::visit_crossed(model, *ray, stats, [&](const Triangle& t) {
+    if (!ray || meter.is_spent()) return number;
+    std::size_t count = 0;
+    point::visit_crossed(model, *ray, meter.stats, [&](const Triangle& t) {
       number += winding_along(probe, t);
-      return true;
+      return !meter.is_spent_at(++count);
     });
     return number;
   }

@@ -4,18 +4,20 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <vector>
 
 #include "base/check.h"
+#include "pair/meter.h"
 
 namespace limber::solid {
 
 /// Disjoint sets of the numbers below some count: union-find with path halving.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  /// They are incomplete, and must not be used, if the meter is spent before they are made.
+  DisjointSets(std::size_t count, pair::Meter& meter) {
+    parent_.reserve(count);
+    while (parent_.size() < count && !meter.is_spent_at(parent_.size())) parent_.push_back(parent_.size());
   }
 
   /// The representative of a number's set, the least of its members.

@@ -50,13 +50,29 @@ double quotient(const Integer& n, const Integer& d, int unit) {
   return n.sign() > 0 ? rounded : -rounded;
 }
 
-int certain_sign(double x, double bound) { return std::abs(x) > bound && std::isfinite(bound) ? (x > 0 ? 1 : -1) : 0; }
-
 }  // namespace
 
 CommonUnit& CommonUnit::include(const Vec3& v) {
   for (const double x : {v.x, v.y, v.z}) exponent_ = std::min(exponent_, base::Decoded(x).exponent);
   return *this;
+}
+
+int Estimate::certain_sign() const {
+  return std::abs(value) > error && std::isfinite(error) ? (value > 0 ? 1 : -1) : 0;
+}
+
+Estimate operator*(const Estimate& x, const Estimate& y) {
+  const double value = x.value * y.value;
+  const double error = std::abs(x.value) * y.error + x.error * std::abs(y.value) + x.error * y.error;
+  return {value, 2 * error + 2 * epsilon * std::abs(value) + underflow_bound};
+}
+
+Estimate height_over(const Triangle& plane, const Vec3& p, double point_error) {
+  const Vec3 a = plane.v1 - plane.v0, b = plane.v2 - plane.v0, r = p - plane.v0;
+  const Vec3 size{std::abs(a.y * b.z) + std::abs(a.z * b.y), std::abs(a.z * b.x) + std::abs(a.x * b.z),
+                  std::abs(a.x * b.y) + std::abs(a.y * b.x)};
+  return {dot(cross(a, b), r),
+          8 * epsilon * dot(size, abs(r)) + point_error * dot(size, abs(p)) + underflow_bound};
 }
 
 ExactPoint::ExactPoint(const Vec3& v, int unit) : p_(whole(v, unit)), w_(1), unit_(unit), rounded_(v) {}
@@ -86,6 +102,14 @@ bool ExactPoint::operator==(const ExactPoint& other) const {
   return p[0] * other.w_ == q[0] * w_ && p[1] * other.w_ == q[1] * w_ && p[2] * other.w_ == q[2] * w_;
 }
 
+int ExactPoint::compare(const ExactPoint& other, std::size_t axis) const {
+  LIMBER_ASSERT(axis < 3 && unit_ == other.unit_);
+  const double off = rounding() + other.rounding();
+  const int sign = Estimate{rounded_[axis] - other.rounded_[axis], 2 * off}.certain_sign();
+  if (sign != 0 || off == 0) return sign;
+  return (p_[axis] * other.w_ - other.p_[axis] * w_).sign();
+}
+
 IntegerVec ExactPoint::numerators_in(int unit) const {
   LIMBER_ASSERT(unit <= unit_);
   const auto shift = static_cast<unsigned>(unit_ - unit);
@@ -100,7 +124,7 @@ int ExactPoint::side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) con
   const double left = along_i * (rounded_[j] - a[j]), right = along_j * (rounded_[i] - a[i]);
   const double of_point = std::abs(along_i * rounded_[j]) + std::abs(along_j * rounded_[i]);
   const double bound = 4 * epsilon * (std::abs(left) + std::abs(right)) + point_error * of_point + underflow_bound;
-  const int sign = certain_sign(left - right, bound);
+  const int sign = Estimate{left - right, bound}.certain_sign();
   return sign != 0 ? sign : exact_side_of_line(a, b, axis);
 }
 
@@ -114,14 +138,13 @@ int ExactPoint::exact_side_of_line(const Vec3& a, const Vec3& b, std::size_t axi
 
 int ExactPoint::side_of_plane(const Triangle& t) const {
   if (is_rounded_exactly_) return geometry::orient3d(t.v0, t.v1, t.v2, rounded_);
-  const Vec3 p = t.v1 - t.v0, q = t.v2 - t.v0, r = rounded_ - t.v0;
-  const Vec3 normal = cross(p, q);
-  const Vec3 size{std::abs(p.y * q.z) + std::abs(p.z * q.y), std::abs(p.z * q.x) + std::abs(p.x * q.z),
-                  std::abs(p.x * q.y) + std::abs(p.y * q.x)};
-  const double bound = 8 * epsilon * dot(size, abs(r)) + point_error * dot(size, abs(rounded_)) + underflow_bound;
-  const int sign = certain_sign(dot(normal, r), bound);
+  const int sign = height_estimate(t).certain_sign();
   if (sign != 0) return sign;
   return height(t, std::min(unit_, CommonUnit().include(t).exponent())).sign();
+}
+
+Estimate ExactPoint::height_estimate(const Triangle& t) const {
+  return height_over(t, rounded_, is_rounded_exactly_ ? 0 : point_error);
 }
 
 Integer ExactPoint::height(const Triangle& t, int unit) const {

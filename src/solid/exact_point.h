@@ -31,6 +31,19 @@ class CommonUnit {
   int exponent_ = 0;
 };
 
+/// A number, up to an error.
+struct Estimate {
+  double value, error;
+
+  /// The sign of the number; 0 if the error leaves it open.
+  int certain_sign() const;
+  friend Estimate operator*(const Estimate& x, const Estimate& y);
+};
+
+/// How far a point, of which each coordinate may be off by a part `point_error`, is over the plane of a triangle: the
+/// determinant of orient3d().
+Estimate height_over(const Triangle& plane, const Vec3& p, double point_error = 0);
+
 /// The point p / w * 2^unit, where w > 0. Beside it stands a rounded one, so that most signs need no big integers.
 class ExactPoint {
  public:
@@ -41,11 +54,17 @@ class ExactPoint {
   /// A bound of what rounding has changed a coordinate by; 0 if it has changed nothing.
   double rounding() const;
   bool operator==(const ExactPoint& other) const;
+  /// Which of two points is first along an axis: -1 for this one, 0 if they are equal there. Pre: their units are equal.
+  int compare(const ExactPoint& other, std::size_t axis) const;
 
   /// On which side of the line from a to b the point is, seen along an axis: as orient2d().
   int side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const;
   /// On which side of the plane of a triangle the point is: as orient3d().
   int side_of_plane(const Triangle& t) const;
+  Estimate height_estimate(const Triangle& t) const;
+  /// How far the point is over a plane, as a multiple of some positive number that depends on the unit alone, and w.
+  /// Pre: `unit` is at most that of the point and of the triangle.
+  Integer height(const Triangle& t, int unit) const;
 
  private:
   friend std::optional<ExactPoint> crossing(const ExactPoint& from, const ExactPoint& to, const Triangle& plane);
@@ -55,9 +74,6 @@ class ExactPoint {
   /// The numerators in another unit. Pre: it is at most that of the point.
   IntegerVec numerators_in(int unit) const;
   int exact_side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const;
-  /// How far the point is beside a plane, as a multiple of some positive number that depends on the plane, the units
-  /// and w. Pre: `unit` is at most that of the point and of the triangle.
-  Integer height(const Triangle& t, int unit) const;
 
   IntegerVec p_;
   Integer w_;

@@ -4,13 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <tuple>
-#include <utility>
+#include <deque>
 #include <vector>
 
 #include "limber/contacts.h"
+#include "mesh/adjacency.h"
 #include "solid/cells.h"
+#include "solid/cut.h"
 #include "solid/disjoint_sets.h"
 
 namespace limber::solid {
@@ -18,13 +18,15 @@ namespace limber::solid {
 /// A triangle of either surface: those of a are numbered first.
 using FacetId = std::size_t;
 
-/// A facet, and another one that it meets elsewhere than in what they share by vertex ids.
+/// How a facet lies to another one, as bits.
+using Sides = std::uint8_t;
+inline constexpr Sides in_front = 1, behind = 2;  // some part of it is strictly on that side of the other one's plane
+inline constexpr Sides across = 4;                // it may cross the interior of the other one in a segment
+
+/// Another facet, which one meets elsewhere than in what they share by vertex ids.
 struct Meeting {
-  FacetId facet, other;
-  friend bool operator==(const Meeting&, const Meeting&) = default;
-  friend bool operator<(const Meeting& x, const Meeting& y) {
-    return std::tie(x.facet, x.other) < std::tie(y.facet, y.other);
-  }
+  FacetId other;
+  Sides sides;  // of the one, where the other is
 };
 
 /// Looks into all cells of two surfaces, by probes on both sides of all triangles.
@@ -36,39 +38,32 @@ struct Meeting {
 class Shells {
  public:
   /// `contacts` are all pairs of triangles of a and b that meet.
-  Shells(Cells& cells, std::span<const TrianglePair> contacts);
+  Shells(Cells& cells, const std::deque<TrianglePair>& contacts);
 
-  /// Looks until all kinds of cells are known; those not found then do not exist.
+  /// Looks until all kinds of cells are known, or the budget is spent. Those not found do not exist if it is not.
   void look();
 
  private:
-  /// How a facet lies to another one, as bits.
-  using Reach = std::uint8_t;
-  static constexpr Reach in_front = 1, behind = 2;  // some part of it is strictly on that side of the other one's plane
-  static constexpr Reach across = 4;                // it may cross the interior of the other one in a segment
-
   pair::Side side_of(FacetId f) const { return f < count_of_a_ ? pair::Side::a : pair::Side::b; }
   Triangle triangle(FacetId f) const;
-  std::span<const Meeting> meetings_of(FacetId f) const;
-  /// How `other` lies to `f`; 0 if they do not meet.
-  Reach reach(FacetId f, FacetId other) const;
-  Reach reach_of(const Triangle& other, const Triangle& t) const;
+  /// The sides of `f` where `other` is; 0 if they do not meet.
+  Sides sides_between(FacetId f, FacetId other) const;
 
-  void find_meetings(pair::Side s, FacetId first);
-  void find_reaches();
+  void find_sides();
   void join_neighbors(pair::Side s, FacetId first);
-  /// Whether a facet is between the half-facets of two neighbors, next to the edge between these points.
-  bool is_between(FacetId f, FacetId neighbor, Reach half, bool is_convex, const Segment& edge) const;
-  void look_into_pieces(FacetId f, Reach half);
-  void look_beside_cut(const Triangle& t, FacetId cutter, std::span<const FacetId> cutters, const AxisDirection& off);
+  /// Whether a facet cuts the wedge between the half-facets of two neighbors, next to the edge between these points.
+  bool cuts_wedge(FacetId f, FacetId neighbor, Sides half, bool is_convex, const Segment& edge) const;
+  void look_into_pieces(FacetId f);
+  void look_along_cut(FacetId f, const Meeting& cutter);
+  /// Adds to the cut of two facets all others that meet both.
+  void add_crossers(Cut& cut, FacetId f, FacetId other) const;
 
   Cells& cells_;
   FacetId count_of_a_, count_;
-  std::vector<Meeting> meetings_;    // sorted
-  std::vector<std::size_t> begin_;   // of the meetings of each facet, and the end
-  std::vector<Reach> reaches_;       // of the other facet of each meeting
-  std::vector<bool> is_degenerate_;  // for each facet
-  std::vector<Reach> cut_halves_;    // for each facet: its half-facets that others cross
+  mesh::VertexLists<Meeting> meetings_;  // of each facet, sorted
+  std::vector<bool> is_degenerate_;      // for each facet
+  std::vector<bool> is_copy_;            // for each facet: whether one with the same corners comes before it
+  std::vector<Sides> cut_halves_;    // for each facet: its half-facets that others cross
   DisjointSets shells_;              // of half-facets: 2 f, and 2 f + 1 for the back
 };
 

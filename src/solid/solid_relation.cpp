@@ -5,6 +5,7 @@
 // the first contacts, then whole components of surfaces without a contact, then everything.
 #include "limber/solids.h"
 
+#include <deque>
 #include <vector>
 
 #include "base/access.h"
@@ -39,17 +40,24 @@ struct InAndOut {
 InAndOut look_at_components(Cells& cells, Side s) {
   const point::PlacedModel& model = cells.model(s);
   const std::span<const Corners> triangles = model.mesh().triangles;
-  solid::DisjointSets components(model.mesh().positions.size());
-  for (const Corners& c : triangles) components.unite(c[0], c[1]), components.unite(c[0], c[2]);
-  std::vector<bool> is_seen(model.mesh().positions.size());
   InAndOut found;
-  for (const Corners& c : triangles) {
+  solid::DisjointSets components(model.mesh().positions.size(), cells.meter);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (cells.meter.is_spent_at(i)) return found;
+    const Corners& c = triangles[i];
+    components.unite(c[0], c[1]), components.unite(c[0], c[2]);
+  }
+  std::vector<bool> is_seen(model.mesh().positions.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (cells.meter.is_spent_at(i)) return found;
+    const Corners& c = triangles[i];
     const std::size_t component = components.find(c[0]);
     if (is_seen[component]) continue;
     const Triangle t = model.triangle(c);
     if (geometry::are_collinear(t.v0, t.v1, t.v2)) continue;
+    if (cells.meter.is_spent()) return found;
     is_seen[component] = true;
-    const point::Surrounding around = point::surrounding_of(cells.model(other(s)), t.v0, cells.stats);
+    const point::Surrounding around = point::surrounding_of(cells.model(other(s)), t.v0, cells.meter.stats);
     LIMBER_ASSERT(!around.is_on);
     (around.winding_number != 0 ? found.in : found.out) = true;
     cells.look_beside(t, 0);
@@ -61,12 +69,14 @@ InAndOut look_at_components(Cells& cells, Side s) {
 /// on.
 void look_at_components(Cells& cells) {
   const InAndOut a = look_at_components(cells, Side::a), b = look_at_components(cells, Side::b);
+  if (cells.is_stopped()) return;
   if (!a.in && !b.in) cells.note_missing(solid::in_both);
   if (!a.out && !b.in) cells.note_missing(solid::in_a_alone);
   if (!b.out && !a.in) cells.note_missing(solid::in_b_alone);
 }
 
 SolidRelation relation_of(const Cells& cells, bool have_contact) {
+  if (cells.is_stopped() && !cells.are_all_known()) return SolidRelation::undecided;
   if (!cells.has(solid::in_both)) return have_contact ? SolidRelation::touching : SolidRelation::apart;
   const bool is_a_out = cells.has(solid::in_a_alone), is_b_out = cells.has(solid::in_b_alone);
   if (is_a_out) return is_b_out ? SolidRelation::overlapping : SolidRelation::b_inside_a;
@@ -75,7 +85,8 @@ SolidRelation relation_of(const Cells& cells, bool have_contact) {
 
 }  // namespace
 
-SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& b) {
+SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& b,
+                                   const SolidRelationOptions& options) {
   const base::DefaultFloatEnvironment environment;
   const Placed placed_a = Access::placed(a), placed_b = Access::placed(b);
   const pair::PlacedPair placed(placed_a, placed_b);
@@ -83,8 +94,8 @@ SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& 
   ++result.stats.node_tests;
   if (placed.root_bound() > 0) return result;
 
-  Cells cells(placed_a, placed_b);
-  std::vector<TrianglePair> contacts;
+  Cells cells(placed_a, placed_b, options.budget);
+  std::deque<TrianglePair> contacts;  // which grows without being copied
   const auto visit = [&](const TrianglePair& contact) {
     contacts.push_back(contact);
     if (contacts.size() > first_contacts) return true;
@@ -98,17 +109,19 @@ SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& 
     }
     return !cells.are_all_known();
   };
-  const PairCount found = visit_intersections(placed_a, placed_b, visit);
-  if (contacts.empty()) look_at_components(cells);
-  if (!cells.are_all_known()) solid::Shells(cells, contacts).look();
+  const PairCount found = visit_intersections(placed_a, placed_b, visit, {.budget = options.budget});
+  cells.meter.stop(found.stopped_by);
+  if (contacts.empty() && !cells.is_stopped()) look_at_components(cells);
+  if (!cells.are_all_known() && !cells.is_stopped()) solid::Shells(cells, contacts).look();
   result.relation = relation_of(cells, !contacts.empty());
-  result.stats.node_tests += found.stats.node_tests + cells.stats.node_tests;
-  result.stats.primitive_tests += found.stats.primitive_tests + cells.stats.primitive_tests;
+  if (result.relation == SolidRelation::undecided) result.stopped_by = cells.meter.stopped_by();
+  result.stats.node_tests += found.stats.node_tests + cells.meter.stats.node_tests;
+  result.stats.primitive_tests += found.stats.primitive_tests + cells.meter.stats.primitive_tests;
   return result;
 }
 
 void solid_relation_many(std::span<const std::optional<PlacedSurface>> surfaces, std::span<const ObjectPair> pairs,
-                         std::span<SolidRelationResult> results) {
+                         std::span<SolidRelationResult> results, const SolidRelationOptions& options) {
   const base::DefaultFloatEnvironment environment;
   LIMBER_REQUIRE(pairs.size() == results.size(),
                  "limber::solid_relation_many: results: there are not as many as pairs");
@@ -119,8 +132,9 @@ void solid_relation_many(std::span<const std::optional<PlacedSurface>> surfaces,
                          "names no surface");
     pair::PlacedPair(Access::placed(*surfaces[pair.a]), Access::placed(*surfaces[pair.b]));  // which checks both
   }
-  base::parallel_for(pairs.size(), 1,
-                     [&](std::size_t i) { results[i] = solid_relation(*surfaces[pairs[i].a], *surfaces[pairs[i].b]); });
+  base::parallel_for(pairs.size(), 1, [&](std::size_t i) {
+    results[i] = solid_relation(*surfaces[pairs[i].a], *surfaces[pairs[i].b], options);
+  });
 }
 
 }  // namespace limber

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
+#include <deque>
 
 #include "limber/contacts.h"
 #include "limber/solids.h"
@@ -14,7 +14,7 @@ namespace limber::testing {
 /// The relation of two placed closed surfaces by shells alone: without a look at the first contacts or at components,
 /// which would often find all kinds of cells before.
 inline SolidRelation relation_by_shells(const Placed& a, const Placed& b) {
-  std::vector<TrianglePair> contacts;
+  std::deque<TrianglePair> contacts;
   visit_intersections(a, b, [&](const TrianglePair& pair) { return contacts.push_back(pair), true; });
   solid::Cells cells(a, b);
   solid::Shells(cells, contacts).look();

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "penetration/last_contact.h"
-#include "penetration/meter.h"
+#include "pair/meter.h"
 #include "scenes/scenes.h"
 #include "support/random_solids.h"
 #include "support/rational_sweep.h"
@@ -301,7 +301,7 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
 
 TEST(PenetrationMeter, IsSpentOnceAQueryBelowItWasStopped) {
   const QueryBudget budget{.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1), .max_steps = 9};
-  penetration::Meter meter(budget);
+  pair::Meter meter(budget);
   EXPECT_EQ(meter.limits_of_time().deadline, budget.deadline);
   EXPECT_EQ(meter.limits_of_time().max_steps, QueryBudget{}.max_steps);  // steps below do not count
   meter.stop(StoppedBy::nothing);

@@ -58,7 +58,7 @@ void give_bounds(const Found& found, const Vec3& vector) {
 LIMBER_EXPORT(solidRelation)
 bool exported_solid_relation(const ClosedSurface* a, PoseForm pose_a, const ClosedSurface* b, PoseForm pose_b) {
   return guarded([&] {
-    const SolidRelationResult found = ask(a, pose_a, b, pose_b, solid_relation);
+    const SolidRelationResult found = ask(a, pose_a, b, pose_b, [](const auto&... bodies) { return solid_relation(bodies...); });
     give(found.witness, found.stats, static_cast<std::uint32_t>(found.relation), StoppedBy::nothing);
   });
 }

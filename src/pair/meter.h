@@ -2,16 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "pair/budget_meter.h"
 
-namespace limber::penetration {
+namespace limber::pair {
 
 /// The budget of a query that consists of several searches, which count their steps together.
 class Meter {
  public:
-  explicit Meter(const QueryBudget& budget)
+  explicit Meter(const QueryBudget& budget = {})
       : limits_of_time_{.deadline = budget.deadline, .cancel = budget.cancel, .abandon = budget.abandon},
         budget_(budget) {}
 
@@ -21,6 +22,8 @@ class Meter {
     ++steps_;
     return stopped_by_ != StoppedBy::nothing;
   }
+  /// To be asked before the i-th of many short steps: counts one in 64.
+  bool is_spent_at(std::size_t i) { return i % 64 == 0 ? is_spent() : stopped_by_ != StoppedBy::nothing; }
   /// Takes over that one of the queries below was stopped, if it was.
   void stop(StoppedBy reason) {
     if (stopped_by_ == StoppedBy::nothing) stopped_by_ = reason;
@@ -33,9 +36,9 @@ class Meter {
 
  private:
   QueryBudget limits_of_time_;
-  pair::BudgetMeter budget_;
+  BudgetMeter budget_;
   std::uint64_t steps_ = 0;
   StoppedBy stopped_by_ = StoppedBy::nothing;
 };
 
-}  // namespace limber::penetration
+}  // namespace limber::pair
