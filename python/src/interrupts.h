@@ -84,7 +84,7 @@ inline bool may_take_long(const Body& a, const Body& b) {
 template <typename Ask, typename Results>
 void in_parts(std::size_t count, bool is_one, const BudgetObject* given, const Ask& ask, const Results& results) {
   constexpr double least_s = 0.03, most_s = 0.12;
-  std::size_t begin = 0, done = 0, size = is_one ? count : 64;
+  std::size_t begin = 0, done = 0, size = is_one ? count : 1;
   do {
     const std::size_t end = begin + std::min(size, count - begin);
     const auto start = std::chrono::steady_clock::now();

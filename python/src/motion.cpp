@@ -39,7 +39,7 @@ class MovingModelObject {
 
   nb::tuple reduced() const {
     const nb::object motion = motion_.is_valid() ? motion_ : nb::none();
-    return nb::make_tuple(nb::type<MovingModelObject>(), nb::make_tuple(nb::find(model_)), motion);
+    return restored_by(nb::type<MovingModelObject>(), nb::make_tuple(nb::find(model_)), motion);
   }
 
   /// A moving model, and the right to read it and its model while a query runs.
@@ -301,11 +301,11 @@ void bind_moving_models(nb::module_& m) {
            "end_pose"_a = nb::none(), docs::MovingModel_set_motion)
       .def("__reduce__", &MovingModelObject::reduced, nb::sig("def __reduce__(self) -> tuple[Any, ...]"))
       .def(
-          "__setstate__",
+          "_restore",
           [](MovingModelObject& self, const nb::tuple& motion) {
             self.set_motion(nb::object(motion[0]), nb::object(motion[1]), nb::object(motion[2]));
           },
-          nb::sig("def __setstate__(self, state: tuple[Any, ...], /) -> None"));
+          nb::sig("def _restore(self, state: tuple[Any, ...], /) -> None"));
   m.def("time_of_impact", &time_of_impact_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
         "min_separation"_a = 0.0, "separation_fraction"_a = 0.0, "ignore_crossings"_a = false, "any_contact"_a = false,
         "filter"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),

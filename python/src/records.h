@@ -166,6 +166,12 @@ RecordArray recorded(const std::vector<Result>& results, nb::handle dtype) {
   return array_of(std::span<const Record>(records), dtype);
 }
 
+/// What __reduce__() returns of an object that is made with arguments, and then gets a state by _restore().
+inline nb::tuple restored_by(nb::handle type, const nb::tuple& arguments, const nb::object& state) {
+  return nb::make_tuple(nb::module_::import_("limber3d.results").attr("restored"),
+                        nb::make_tuple(type, arguments, state));
+}
+
 /// The array of a property: writing to what a property returns would be lost.
 template <typename Array>
 Array read_only(Array array) {
