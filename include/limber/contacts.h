@@ -141,6 +141,7 @@ LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<C
 struct SelfQueryOptions {
   std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
   QueryCache* cache = nullptr;                              ///< of the last answer; null for none
+  QueryBudget budget = {};                                  ///< when the query has to end
 };
 
 /// How good the answer of self_distance() must be, as DistanceOptions says, and which pairs count.
@@ -151,6 +152,7 @@ struct SelfDistanceOptions {
   double max_distance = std::numeric_limits<double>::infinity();
   std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
   QueryCache* cache = nullptr;                              ///< of the last answer; null for none
+  QueryBudget budget = {};                                  ///< when the query has to end
 };
 
 /// Whether a model meets itself; stops at the first such pair found.
@@ -160,6 +162,7 @@ struct SelfDistanceOptions {
 ///          of triangles. Nothing but that pair is used, so filters may change from call to call. Any cache will do,
 ///          also one that another model, another mesh or queries of two models have filled: which pair is the witness
 ///          may depend on it, and nothing else.
+/// Budget   As collide().
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
 /// Cost     In practice O(n) for surfaces that do not meet themselves, O(n log n) for triangles around one vertex or
 ///          edge; O(n^2) at worst. 40 kB of stack; allocates nothing but a cache's memory.

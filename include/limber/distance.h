@@ -59,6 +59,9 @@ struct QueryBudget {
   std::uint64_t max_steps = (std::numeric_limits<std::uint64_t>::max)();
   /// Ends the query once it is true. Has to live as long as the query; may be set by any thread.
   const std::atomic<bool>* cancel = nullptr;
+  /// As `cancel`, for callers who then throw the answer away: what the query returns means nothing once this is true,
+  /// and its cache has to be cleared. Until then the query takes the time and gives the bits of one without a budget.
+  const std::atomic<bool>* abandon = nullptr;
 };
 
 /// Which limit of its budget has ended a query.

@@ -22,6 +22,9 @@ namespace limber {
 /// The motion of a rigid body from one pose to another: a point of it, the center, moves straight at constant speed,
 /// and the body turns about it at constant rate about one axis, the shorter way round.
 ///
+/// Use      Sweeps and steps of one body that moves freely. A link of an arm does not move so while joints turn:
+///          for an edge in joint space, bounds of this motion do not hold. See "Edges of a planner" in
+///          docs/guide/motion.md.
 /// Frame    The poses map from the model's frame to the world; the center is in the model's frame.
 /// Promise  A rotation that is off by more than 10^-14, as is_rigid() allows, is replaced by the nearest one without
 ///          error, at the start and the end too.

@@ -53,7 +53,7 @@ class ObjectPairMatrix {
   std::size_t size() const { return size_; }
   /// Takes more ids, or fewer: what is said of ids below both sizes stays, pairs of new ids count or not.
   ///
-  /// Throws   std::bad_alloc; the matrix is then as before. As the constructor.
+  /// Throws   std::bad_alloc, whose text says how large it would be; the matrix is then as before. As the constructor.
   LIMBER_API void resize(std::size_t size, bool counts = true);
   LIMBER_API void set(ObjectId a, ObjectId b, bool counts);
   /// Says it of every two different ids of a list.

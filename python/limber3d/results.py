@@ -162,3 +162,11 @@ class DisplacementLimits:
     of_a: FloatArray
     of_b: FloatArray | None
     """None if b stands still."""
+
+
+def restored(kind: Any, arguments: tuple[Any, ...], state: tuple[Any, ...] | None) -> Any:
+    """An object of a pickle, which holds the arguments of its class and a state."""
+    made = kind(*arguments)
+    if state is not None:
+        made._restore(state)
+    return made

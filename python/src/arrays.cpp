@@ -54,9 +54,7 @@ Array::Array(nb::handle object, const char* name, const char* expected, Lists li
     try {
       const nb::object array = nb::module_::import_("numpy").attr("asarray")(object);
       if (nb::cast<int>(array.attr("ndim")) == 0) refuse(found());
-      const nb::object kind = array.attr("dtype").attr("kind");
-      const bool is_integers = kind.equal(nb::str("i")) || kind.equal(nb::str("u"));
-      owner_ = lists == Lists::floats && is_integers ? array.attr("astype")("float64") : array;
+      owner_ = array;
     } catch (nb::python_error& error) {
       if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
       refuse(found());
@@ -64,11 +62,27 @@ Array::Array(nb::handle object, const char* name, const char* expected, Lists li
   } else if (has_masked_elements(object)) {
     refuse("masked elements");
   }
+  get_buffer();
+  const bool is_wanted = lists == Lists::floats ? is_float() : scalar_ != Scalar::other;
+  if (!is_wanted && buffer_.itemsize <= 8) convert(lists);
+}
+
+void Array::get_buffer() {
   if (PyObject_GetBuffer(owner_.ptr(), &buffer_, PyBUF_STRIDES | PyBUF_FORMAT) != 0) {
     PyErr_Clear();
     refuse(found());
   }
   scalar_ = scalar_of(buffer_.format, static_cast<std::size_t>(buffer_.itemsize));
+}
+
+void Array::convert(Lists lists) {
+  const nb::object array = nb::module_::import_("numpy").attr("asarray")(owner_);
+  const std::string kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+  if (kind != "i" && kind != "u" && kind != "f") return;
+  const bool is_float = lists == Lists::floats || kind == "f";
+  given_ = std::exchange(owner_, array.attr("astype")(is_float ? "float64" : kind == "u" ? "uint64" : "int64"));
+  PyBuffer_Release(&buffer_);
+  get_buffer();
 }
 
 Array::~Array() { PyBuffer_Release(&buffer_); }
@@ -148,8 +162,9 @@ void Array::refuse(const std::string& found) const {
 void Array::refuse() const { refuse(found()); }
 
 std::string Array::found() const {
-  if (nb::hasattr(owner_, "dtype") && nb::hasattr(owner_, "shape")) {
-    return nb::cast<std::string>(nb::str("shape {} and dtype {}").format(owner_.attr("shape"), owner_.attr("dtype")));
+  const nb::object& given = given_.is_valid() ? given_ : owner_;
+  if (nb::hasattr(given, "dtype") && nb::hasattr(given, "shape")) {
+    return nb::cast<std::string>(nb::str("shape {} and dtype {}").format(given.attr("shape"), given.attr("dtype")));
   }
   if (buffer_.obj == nullptr) return nb::cast<std::string>(owner_.type().attr("__name__"));
   nb::list shape;
@@ -159,7 +174,7 @@ std::string Array::found() const {
 }
 
 Positions::Positions(nb::handle object, const char* name)
-    : array_(object, name, "shape (n, 3) and dtype float32 or float64", Lists::floats) {
+    : array_(object, name, "shape (n, 3) of floats or integers", Lists::floats) {
   if (!array_.has_floats({-1, 3}) && !array_.is_empty_list()) array_.refuse();
   if (array_.size(0) == 0 || !array_.row_bytes()) copied_ = array_.numbers();
 }
@@ -173,7 +188,7 @@ PositionsView Positions::view() const {
 }
 
 std::vector<std::uint32_t> ids_from(nb::handle object, const char* name) {
-  const Array array(object, name, "shape (n,) and dtype int32, int64, uint32 or uint64", Lists::integers);
+  const Array array(object, name, "shape (n,) of integers", Lists::integers);
   if (array.is_empty_list()) return {};
   if (!array.is_integer() || !array.has_shape({-1})) array.refuse();
   return array.ids();
@@ -196,11 +211,11 @@ std::vector<std::array<std::uint32_t, width>> id_rows(const Array& array) {
 }  // namespace
 
 std::vector<Corners> faces_from(nb::handle object, const char* name) {
-  return id_rows<3>(Array(object, name, "shape (n, 3) and dtype int32, int64, uint32 or uint64", Lists::integers));
+  return id_rows<3>(Array(object, name, "shape (n, 3) of integers", Lists::integers));
 }
 
 std::vector<std::array<std::uint32_t, 2>> id_pairs_from(nb::handle object, const char* name) {
-  return id_rows<2>(Array(object, name, "shape (n, 2) and dtype int32, int64, uint32 or uint64", Lists::integers));
+  return id_rows<2>(Array(object, name, "shape (n, 2) of integers", Lists::integers));
 }
 
 std::vector<Vec3> points_from(nb::handle object, const char* name) {
@@ -211,31 +226,30 @@ std::vector<Vec3> points_from(nb::handle object, const char* name) {
 }
 
 Vec3 point_from(nb::handle object, const char* name) {
-  const Array array(object, name, "shape (3,) and dtype float32 or float64", Lists::floats);
+  const Array array(object, name, "shape (3,) of floats or integers", Lists::floats);
   if (!array.has_floats({3})) array.refuse();
   const std::vector<double> p = array.numbers();
   return {p[0], p[1], p[2]};
 }
 
-Mat3 matrix_from(nb::handle object, const char* name) {
-  const Array array(object, name, "shape (3, 3) and dtype float32 or float64", Lists::floats);
-  if (!array.has_floats({3, 3})) array.refuse();
+Mat3 matrix_from(const Array& array) {
+  const std::size_t n = array.size(1);
   const std::vector<double> m = array.numbers();
-  return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}};
+  return {{m[0], m[1], m[2]}, {m[n], m[n + 1], m[n + 2]}, {m[2 * n], m[2 * n + 1], m[2 * n + 2]}};
 }
 
 namespace {
 
 constexpr const char* pose_form =
     "None, a 4 x 4 matrix, (rotation, translation) with a 3 x 3 matrix, or (quaternion, translation) with w, x, y, z, "
-    "of float32, float64, or integers of 32 or 64 bits";
+    "of floats or integers";
 constexpr const char* poses_form =
     "None, one pose, n 4 x 4 matrices, (n rotations, n translations) or (n quaternions, n translations), "
-    "of float32, float64, or integers of 32 or 64 bits";
+    "of floats or integers";
 
 constexpr const char* configurations_form =
-    "for n configurations of k ids: (n, k, 4, 4), or a tuple of (n, k, 3, 3) or (n, k, 4) and (n, k, 3), of float32, "
-    "float64, or integers of 32 or 64 bits";
+    "for n configurations of k ids: (n, k, 4, 4), or a tuple of (n, k, 3, 3) or (n, k, 4) and (n, k, 3), of floats "
+    "or integers";
 
 /// The pose that numbers stand for: a matrix of 16; or a rotation of 9 or a quaternion, and a translation. `index` is
 /// that in a list, where there is one; messages have it by rows of so many columns, if it is a list of rows.
@@ -261,10 +275,23 @@ Transform rigid_or_raise(std::span<const double> turn, std::span<const double> s
   raise({result.error().code, text.append(": ").append(result.error().text), index});
 }
 
+/// A pose or poses in the forms of this file: what is like SciPy's RigidTransform is a matrix, its Rotation a rotation
+/// about the origin.
+nb::object plain_pose(nb::handle given) {
+  if (!nb::hasattr(given, "as_matrix")) return nb::borrow(given);
+  nb::object matrix = given.attr("as_matrix")();
+  const nb::object shape = matrix.attr("shape");
+  if (!shape[nb::int_(-1)].equal(nb::int_(3))) return matrix;
+  const nb::object of_shifts = shape[nb::slice(nb::int_(0), nb::int_(-1), nb::int_(1))];
+  return nb::make_tuple(matrix, nb::module_::import_("numpy").attr("zeros")(of_shifts));
+}
+
 /// The two parts of a pose or of poses, or nothing if the object is not a tuple of two.
-std::optional<std::array<nb::handle, 2>> parts_of(nb::handle object) {
+std::optional<std::array<nb::object, 2>> parts_of(const nb::object& object) {
   if (!PyTuple_CheckExact(object.ptr()) || PyTuple_Size(object.ptr()) != 2) return std::nullopt;
-  return std::array<nb::handle, 2>{PyTuple_GetItem(object.ptr(), 0), PyTuple_GetItem(object.ptr(), 1)};
+  nb::object turn = object[0], shift = object[1];
+  if (nb::hasattr(turn, "as_matrix")) turn = turn.attr("as_matrix")();
+  return std::array{turn, shift};
 }
 
 /// Poses of as many numbers: matrices without shifts, or turns with them.
@@ -282,8 +309,9 @@ std::vector<Transform> all_rigid(std::size_t count, const std::vector<double>& t
 
 }  // namespace
 
-Transform pose_from(nb::handle object, const char* name) {
-  if (object.is_none()) return {};
+Transform pose_from(nb::handle given, const char* name) {
+  if (given.is_none()) return {};
+  const nb::object object = plain_pose(given);
   if (const auto parts = parts_of(object)) {
     const Array turn((*parts)[0], name, pose_form, Lists::floats), shift((*parts)[1], name, pose_form, Lists::floats);
     if (!turn.has_numbers({3, 3}) && !turn.has_numbers({4})) turn.refuse();
@@ -295,7 +323,8 @@ Transform pose_from(nb::handle object, const char* name) {
   return rigid_or_raise(matrix.numbers(), {}, name, std::nullopt);
 }
 
-PoseList::PoseList(nb::handle object, const char* name) {
+PoseList::PoseList(nb::handle given, const char* name) {
+  const nb::object object = plain_pose(given);
   if (const auto parts = parts_of(object)) {
     const Array turns((*parts)[0], name, poses_form, Lists::floats);
     const Array shifts((*parts)[1], name, poses_form, Lists::floats);
@@ -316,7 +345,8 @@ PoseList::PoseList(nb::handle object, const char* name) {
   if (is_one_for_all_) poses_.push_back(pose_from(object, name));
 }
 
-std::vector<Transform> configurations_from(nb::handle object, std::size_t objects, const char* name) {
+std::vector<Transform> configurations_from(nb::handle given, std::size_t objects, const char* name) {
+  const nb::object object = plain_pose(given);
   const auto k = static_cast<std::ptrdiff_t>(objects);
   if (const auto parts = parts_of(object)) {
     const Array turns((*parts)[0], name, configurations_form, Lists::floats);

@@ -76,6 +76,9 @@ class Array {
 
  private:
   [[noreturn]] void refuse(const std::string& found) const;
+  void get_buffer();
+  /// Takes a copy of elements that are not read as they are: small or swapped ones, integers where floats are wanted.
+  void convert(Lists lists);
   /// What the argument is: shape and element type, or its class where it has neither.
   std::string found() const;
   /// Calls use(value, i) for each element, row by row.
@@ -83,7 +86,7 @@ class Array {
   void for_elements(const Use& use) const;
 
   Py_buffer buffer_{};
-  nb::object owner_;
+  nb::object owner_, given_;  // the second before convert(), if that was called
   const char* name_;
   const char* expected_;
   Scalar scalar_ = Scalar::other;
@@ -110,8 +113,8 @@ std::vector<std::array<std::uint32_t, 2>> id_pairs_from(nb::handle object, const
 std::vector<Vec3> points_from(nb::handle object, const char* name);
 /// One point.
 Vec3 point_from(nb::handle object, const char* name);
-/// Three rows of a matrix.
-Mat3 matrix_from(nb::handle object, const char* name);
+/// The upper left of a matrix. Pre: it has at least three rows and columns of numbers.
+Mat3 matrix_from(const Array& array);
 
 /// One pose: None; a 4 x 4 matrix; (rotation, translation) with a 3 x 3 matrix; (quaternion, translation) with
 /// w, x, y, z.

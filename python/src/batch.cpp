@@ -17,6 +17,7 @@
 #include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 
@@ -58,10 +59,11 @@ class Batch {
   /// How many poses there are; nothing if there is one for all.
   std::optional<std::size_t> size() const { return size_; }
 
-  /// Writes the records of query(a, b) for poses begin to end.
+  /// Writes the records of query(a, b, budget) for poses begin to end.
   template <typename Query>
   void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
-    write(records, begin, end, [&](std::size_t i) { return query(placed_a(i), placed_b(i)); });
+    write(records, begin, end,
+          [&](std::size_t i, const QueryBudget& budget) { return query(placed_a(i), placed_b(i), budget); });
   }
 
   /// The contacts of poses begin to end, one pose after the other, and how many each has.
@@ -72,8 +74,9 @@ class Batch {
     std::vector<std::vector<Contact>> found(end - std::min(begin, end));
     std::vector<Contact> all;
     std::vector<std::uint32_t> counts;
-    without_gil([&] {
-      PairOptions options;
+    interruptible(nullptr, [&](const QueryBudget& budget) {
+      PairOptions options{.budget = budget};
+      for (std::vector<Contact>& part : found) part.clear();
       if (rings != nullptr) options.filter = TrianglePairFilter(*rings);
       for_all(begin, end, [&](std::size_t i) {
         const auto keep = [&](const Contact& contact) { return found[i - begin].push_back(contact), true; };
@@ -83,20 +86,24 @@ class Batch {
         counts.push_back(static_cast<std::uint32_t>(part.size()));
         all.insert(all.end(), part.begin(), part.end());
       }
+      return true;
     });
     return {array_of(std::span<const Contact>(all), dtypes().contact),
             array_of(std::span<const std::uint32_t>(counts))};
   }
 
  protected:
-  /// Writes the records of answer(i) for i from begin to end.
+  /// Writes the records of answer(i, budget) for i from begin to end.
   template <typename Answer>
   void write(nb::handle records, std::size_t begin, std::size_t end, const Answer& answer) {
     const Reading reading_a = reading(a_), reading_b = reading(b_);
     require_within(end);
-    using Record = decltype(record_of(answer(begin)));
+    using Record = decltype(record_of(answer(begin, QueryBudget{})));
     auto* const out = static_cast<Record*>(memory_of(records, (std::max(begin, end) - begin) * sizeof(Record)));
-    without_gil([&] { for_all(begin, end, [&](std::size_t i) { out[i - begin] = record_of(answer(i)); }); });
+    interruptible(nullptr, [&](const QueryBudget& budget) {
+      for_all(begin, end, [&](std::size_t i) { out[i - begin] = record_of(answer(i, budget)); });
+      return true;
+    });
   }
 
   /// Takes another list of poses into account.
@@ -166,12 +173,12 @@ class MotionBatch : public Batch {
     count(ends_b_, "ends_b");
   }
 
-  /// Writes the records of query(model a, its motion, model b, its motion) for motions begin to end.
+  /// Writes the records of query(model a, its motion, model b, its motion, budget) for motions begin to end.
   template <typename Query>
   void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
-    write(records, begin, end, [&](std::size_t i) {
+    write(records, begin, end, [&](std::size_t i, const QueryBudget& budget) {
       return query(body_a(), RigidMotion(poses_a()[i], ends_a_[i], center_a_), body_b(),
-                   RigidMotion(poses_b()[i], ends_b_[i], center_b_));
+                   RigidMotion(poses_b()[i], ends_b_[i], center_b_), budget);
     });
   }
 
@@ -182,28 +189,35 @@ class MotionBatch : public Batch {
 
 void run_distance(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double relative_error,
                   double absolute_error, double max_distance) {
-  const DistanceOptions options{relative_error, absolute_error, max_distance};
-  batch.run(records, begin, end, [&](const Placed& a, const Placed& b) { return distance(a, b, options); });
+  batch.run(records, begin, end, [&](const Placed& a, const Placed& b, const QueryBudget& budget) {
+    return distance(a, b, {relative_error, absolute_error, max_distance, nullptr, budget});
+  });
 }
 
 void run_collide(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end) {
-  batch.run(records, begin, end, [](const Placed& a, const Placed& b) { return collide(a, b); });
+  batch.run(records, begin, end, [](const Placed& a, const Placed& b, const QueryBudget& budget) {
+    return collide(a, b, {nullptr, budget});
+  });
 }
 
 void run_within(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double max_distance) {
-  batch.run(records, begin, end, [&](const Placed& a, const Placed& b) { return within(a, b, max_distance); });
+  batch.run(records, begin, end, [&](const Placed& a, const Placed& b, const QueryBudget& budget) {
+    return within(a, b, max_distance, {nullptr, budget});
+  });
 }
 
 void run_time_of_impact(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
                         double max_time, double min_separation, std::optional<double> distance_error) {
-  const PathOptions options{max_time, min_separation, distance_error};
-  batch.run(records, begin, end, [&](const auto&... moving) { return time_of_impact(moving..., options); });
+  batch.run(records, begin, end, [&](auto a, auto motion_a, auto b, auto motion_b, const QueryBudget& budget) {
+    return time_of_impact(a, motion_a, b, motion_b, {max_time, min_separation, distance_error, nullptr, budget});
+  });
 }
 
 void run_min_distance(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
                       double max_time, std::optional<double> distance_error) {
-  const PathOptions options{max_time, 0, distance_error};
-  batch.run(records, begin, end, [&](const auto&... moving) { return min_distance(moving..., options); });
+  batch.run(records, begin, end, [&](auto a, auto motion_a, auto b, auto motion_b, const QueryBudget& budget) {
+    return min_distance(a, motion_a, b, motion_b, {max_time, 0, distance_error, nullptr, budget});
+  });
 }
 
 std::unique_ptr<oneapi::tbb::global_control> thread_limit;

@@ -135,14 +135,17 @@ class Busy : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Counts the users of an object: any number of readers, or one that changes it. Nobody waits: a call that may not go
-/// on throws Busy.
+/// Counts the users of an object: any number of readers, or one that changes it. A call that may not go on waits for up
+/// to a second, and new readers let one go first that waits to change the object; then it throws Busy. A thread that
+/// uses some object already does not wait: whom it would wait for may wait for it.
+///
+/// Threads  Functions need the GIL, which others get while one waits.
 class Users {
   struct EndReading {
-    void operator()(Users* users) const { users->count_.fetch_sub(1, std::memory_order_release); }
+    void operator()(Users* users) const { users->count_.fetch_sub(1, std::memory_order_release), --used_by_thread; }
   };
   struct EndChanging {
-    void operator()(Users* users) const { users->count_.store(0, std::memory_order_release); }
+    void operator()(Users* users) const { users->count_.store(0, std::memory_order_release), --used_by_thread; }
   };
 
  public:
@@ -151,24 +154,51 @@ class Users {
 
   /// The object is read for as long as the result lives.
   [[nodiscard]] Reading read(const char* refusal) {
-    int users = count_.load(std::memory_order_relaxed);
-    do {
-      if (users < 0) throw Busy(refusal);
-    } while (!count_.compare_exchange_weak(users, users + 1, std::memory_order_acquire, std::memory_order_relaxed));
+    wait_until(refusal, [&] {
+      int users = count_.load(std::memory_order_relaxed);
+      while (users >= 0 && (waiting_ == 0 || used_by_thread > 0)) {
+        if (count_.compare_exchange_weak(users, users + 1, std::memory_order_acquire, std::memory_order_relaxed)) {
+          return true;
+        }
+      }
+      return false;
+    });
     return Reading(this);
   }
 
   /// The object is changed for as long as the result lives.
   [[nodiscard]] Changing change(const char* refusal) {
-    int nobody = 0;
-    if (!count_.compare_exchange_strong(nobody, -1, std::memory_order_acquire, std::memory_order_relaxed)) {
-      throw Busy(refusal);
-    }
+    struct Waiting {
+      std::atomic<int>& count;
+      ~Waiting() { --count; }
+    } waiting{waiting_};
+    ++waiting.count;
+    wait_until(refusal, [&] {
+      int nobody = 0;
+      return count_.compare_exchange_strong(nobody, -1, std::memory_order_acquire, std::memory_order_relaxed);
+    });
     return Changing(this);
   }
 
  private:
-  std::atomic<int> count_ = 0;  // of readers; -1 while the object is changed
+  template <typename Try>
+  static void wait_until(const char* refusal, const Try& succeeds) {
+    using Clock = std::chrono::steady_clock;
+    bool is_mine = succeeds();
+    if (!is_mine && used_by_thread == 0) {
+      const Released released;
+      for (const auto end = Clock::now() + std::chrono::seconds(1); !is_mine && Clock::now() < end;) {
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+        is_mine = succeeds();
+      }
+    }
+    if (!is_mine) throw Busy(refusal);
+    ++used_by_thread;
+  }
+
+  static inline thread_local int used_by_thread = 0;  // objects
+  std::atomic<int> count_ = 0;                        // of readers; -1 while the object is changed
+  std::atomic<int> waiting_ = 0;                      // to change it
 };
 
 using Reading = Users::Reading;
@@ -183,6 +213,8 @@ class BodyObject {
   virtual ~BodyObject() = default;
   virtual Body body() const = 0;
   virtual Users& users() { return users_; }
+  /// What __reduce__() returns of bodies whose class in Python has none of its own.
+  virtual nb::object reduced() const { return nb::none(); }
 
  private:
   Users users_;
@@ -201,6 +233,7 @@ struct ShapeObject : BodyObject {
   Body body() const override { return shape; }
 
   Shape shape;
+  nb::object made_by;  // for pickles: the name of the function of Shape, and its arguments
 };
 
 /// A model with a radius. Whoever creates it keeps the model alive.
@@ -209,6 +242,9 @@ class ModelWithRadius : public BodyObject {
   ModelWithRadius(ModelObject& model, double radius) : model_(model), body_(model.model, radius) {}
   Body body() const override { return body_; }
   Users& users() override { return model_.users(); }
+  nb::object reduced() const override {
+    return nb::make_tuple(nb::type<BodyObject>(), nb::make_tuple(nb::find(model_), body_.radius()));
+  }
 
  private:
   ModelObject& model_;
@@ -218,6 +254,13 @@ class ModelWithRadius : public BodyObject {
 [[nodiscard]] inline Reading reading(BodyObject& object) {
   return object.users().read("the model is being changed by another thread, or by a call that has not returned");
 }
+
+/// Keeps an object alive, and unchanged.
+struct InUse {
+  explicit InUse(BodyObject& object) : owner(nb::find(object)), guard(reading(object)) {}
+  nb::object owner;
+  Reading guard;
+};
 
 [[nodiscard]] inline Changing changing(ModelObject& object) {
   return object.users().change("the model is in use by another thread, or by a query that has not returned");

@@ -12,6 +12,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "interrupts.h"
 #include "limber/points.h"
 #include "records.h"
 
@@ -20,8 +21,8 @@ namespace limber::python {
 /// A closed surface, and the model that it refers to.
 class ClosedSurfaceObject {
   static ClosedSurface checked(ModelObject& model) {
-    const Reading guard = reading(model);
-    return value_or_raise(without_gil([&] { return ClosedSurface::create(model.model); }));
+    return value_or_raise(aside(model.model.mesh().triangles().size(),
+                                [&body = model.model, use = InUse(model)] { return ClosedSurface::create(body); }));
   }
 
   template <typename Query>
@@ -64,12 +65,15 @@ class ClosedSurfaceObject {
     const Transform placed = pose_from(pose, "pose");
     nb::object answers = new_array(nb::str("bool"), {asked.size()});
     auto* const inside = static_cast<bool*>(memory_of(answers, asked.size()));
-    without_gil([&] {
+    const auto ask_part = [&](std::size_t begin, std::size_t end, const QueryBudget&) {
       constexpr std::size_t grain = 16;
       using Range = oneapi::tbb::blocked_range<std::size_t>;
-      oneapi::tbb::parallel_for(Range(0, asked.size(), grain), [&](const Range& range) {
+      oneapi::tbb::parallel_for(Range(begin, end, grain), [&](const Range& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) inside[i] = surface_.contains(asked[i], placed);
       });
+    };
+    in_parts(asked.size(), has_bad_point(asked), nullptr, ask_part, [&](std::size_t done) -> nb::object {
+      return answers[nb::slice(nb::int_(0), nb::int_(done), nb::int_(1))];
     });
     return answers;
   }
@@ -78,9 +82,10 @@ class ClosedSurfaceObject {
     const Reading guard = reading(model_);
     const std::vector<Vec3> asked = points_from(points, "points");
     const Transform placed = pose_from(pose, "pose");
-    std::vector<SignedDistance> results(asked.size());
-    without_gil([&] { surface_.signed_distance_many(asked, results, placed, {max_distance}); });
-    return recorded(results, dtypes().signed_distance);
+    const auto ask_part = [&](auto part, auto results, const QueryBudget&) {
+      surface_.signed_distance_many(part, results, placed, {max_distance});
+    };
+    return recorded_in_parts<SignedDistance>(asked, has_bad_point(asked), nullptr, dtypes().signed_distance, ask_part);
   }
 
  private:
@@ -96,6 +101,10 @@ class SolidObject : public BodyObject {
   /// Throws   std::invalid_argument if the model has been reset.
   Body body() const override { return Body(surface_.surface()); }
   Users& users() override { return surface_.users(); }
+  nb::object reduced() const override {
+    return nb::make_tuple(nb::module_::import_("operator").attr("methodcaller")("solid"),
+                          nb::make_tuple(nb::find(surface_)));
+  }
 
  private:
   ClosedSurfaceObject& surface_;

@@ -16,6 +16,7 @@
 #include "bindings.h"
 #include "budget.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 
@@ -24,16 +25,6 @@ namespace {
 
 using TriangleFilter = Named<"TriangleFilter">;
 using Filter = PairFilter<TrianglePairFilter>;
-
-/// The thread that runs handlers of signals, and that does not outlive Python.
-unsigned long main_thread = 0;
-
-/// Raises what the handler of a signal raises, such as KeyboardInterrupt. Does nothing except in the main thread.
-void look_for_signals() {
-  if (PyThread_get_thread_ident() != main_thread) return;
-  const nb::gil_scoped_acquire acquired;
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
 
 using TrianglePairs = Named<"TrianglePairs">;
 using Contacts = Named<"Contacts">;
@@ -55,15 +46,17 @@ PairCount collect(std::vector<Pair>& pairs, nb::handle filter, const Wanted& wan
   const Filter which(filter);
   const auto keep = [&](const Pair& pair) {
     pairs.push_back(pair);
-    constexpr std::size_t pairs_between_looks = 1 << 16;  // some ten milliseconds
-    if (pairs.size() % pairs_between_looks == 0) look_for_signals();
     return pairs.size() != wanted.max_count;
   };
-  const PairOptions options{.filter = which.get(),
-                            .oriented_faces = wanted.oriented_faces,
-                            .budget = budget_of(budget),
-                            .parallel = wanted.parallel && !which.needs_gil()};
-  return without_gil_unless(which.needs_gil(), [&] { return search(keep, options); });
+  PairOptions options{.filter = which.get(),
+                      .oriented_faces = wanted.oriented_faces,
+                      .budget = {},
+                      .parallel = wanted.parallel && !which.needs_gil()};
+  const auto find = [&](const QueryBudget& limits) {
+    pairs.clear(), options.budget = limits;
+    return search(keep, options);
+  };
+  return interruptible(budget, find, which.needs_gil());
 }
 
 template <typename Search>
@@ -87,11 +80,10 @@ Contacts found_closest(nb::handle filter, double max_distance, std::optional<Ori
                        std::size_t room, const BudgetObject* budget, const Search& search) {
   const Filter which(filter);
   std::vector<Contact> contacts(room);
-  const ClosestPairsOptions options{.max_distance = max_distance,
-                                    .filter = which.get(),
-                                    .oriented_faces = oriented_faces,
-                                    .budget = budget_of(budget)};
-  const PairCount count = without_gil_unless(which.needs_gil(), [&] { return search(contacts, options); });
+  const auto find = [&](const QueryBudget& limits) {
+    return search(contacts, ClosestPairsOptions{max_distance, which.get(), oriented_faces, limits});
+  };
+  const PairCount count = interruptible(budget, find, which.needs_gil());
   return found("Contacts", array_of(std::span<const Contact>(contacts).first(count.count), dtypes().contact), count);
 }
 
@@ -141,20 +133,24 @@ ReducedContacts reduce(const ContactsLike& contacts, double radius, double max_a
 
 // --- one model with itself ---
 
-CollideResult self_collide_of(ModelObject& model, const TriangleFilter& filter, QueryCacheObject* cache) {
+CollideResult self_collide_of(ModelObject& model, const TriangleFilter& filter, QueryCacheObject* cache,
+                              const BudgetObject* budget) {
   const Reading reading_model = reading(model);
   const Filter which(filter);
   const Used used(cache);
-  return without_gil_unless(which.needs_gil(), [&] { return self_collide(model.model, {which.get(), used.get()}); });
+  return interruptible(true, which.needs_gil(), budget, used.get(), [&](const QueryBudget& limits) {
+    return self_collide(model.model, {which.get(), used.get(), limits});
+  });
 }
 
 DistanceResult self_distance_of(ModelObject& model, double relative_error, double absolute_error, double max_distance,
-                                const TriangleFilter& filter, QueryCacheObject* cache) {
+                                const TriangleFilter& filter, QueryCacheObject* cache, const BudgetObject* budget) {
   const Reading reading_model = reading(model);
   const Filter which(filter);
   const Used used(cache);
-  const SelfDistanceOptions options{relative_error, absolute_error, max_distance, which.get(), used.get()};
-  return without_gil_unless(which.needs_gil(), [&] { return self_distance(model.model, options); });
+  return interruptible(true, which.needs_gil(), budget, used.get(), [&](const QueryBudget& limits) {
+    return self_distance(model.model, {relative_error, absolute_error, max_distance, which.get(), used.get(), limits});
+  });
 }
 
 TrianglePairs self_intersections_of(ModelObject& model, const TriangleFilter& filter,
@@ -186,8 +182,7 @@ Contacts self_closest_pairs_of(ModelObject& model, std::size_t count, double max
 constexpr const char* filter_note = R"(
 
 Filter   None, a NeighborRings, or a function of two triangle ids: pairs for which it is false do not count. With a
-         function the query holds the GIL.
-Ctrl-C   Ends the search with KeyboardInterrupt.)";
+         function the query holds the GIL.)";
 
 const std::string faces_note = std::string("\nFaces    oriented_faces: ") + docs::PairOptions_oriented_faces;
 
@@ -218,10 +213,10 @@ Returns  At most `count` records, limber3d.contact_dtype, with these fields.)" +
 
 void bind_self_queries(nb::module_& m) {
   m.def("self_collide", &self_collide_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(), "cache"_a = nb::none(),
-        docs::self_collide);
+        "budget"_a = nb::none(), docs::self_collide);
   m.def("self_distance", &self_distance_of, "model"_a, nb::kw_only(), "relative_error"_a = 0.0,
         "absolute_error"_a = 0.0, max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(),
-        docs::self_distance);
+        "budget"_a = nb::none(), docs::self_distance);
   m.def("self_intersections", &self_intersections_of, "model"_a, nb::kw_only(), "filter"_a = nb::none(),
         "max_count"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
         pairs_documentation(docs::visit_self_intersections).c_str());
@@ -236,7 +231,6 @@ void bind_self_queries(nb::module_& m) {
 }  // namespace
 
 void bind_contacts(nb::module_& m) {
-  main_thread = nb::cast<unsigned long>(nb::module_::import_("threading").attr("main_thread")().attr("ident"));
   m.def("intersections", &intersections_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
         nb::kw_only(), "filter"_a = nb::none(), "max_count"_a = nb::none(), "parallel"_a = false,
         "budget"_a = nb::none(), pairs_documentation(docs::visit_intersections).c_str());

@@ -10,6 +10,7 @@
 #include "bindings.h"
 #include "budget.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 
@@ -18,14 +19,16 @@ namespace {
 
 using ElementPairs = Named<"ElementPairs">;
 
-/// The pairs that search(visitor, visitor) visits, without the GIL.
+/// The pairs that search(visitor, visitor, options) visits, without the GIL.
 template <typename Search>
-ElementPairs found_elements(const Search& search) {
+ElementPairs found_elements(bool parallel, const BudgetObject* budget, const Search& search) {
   std::vector<VertexFacePair> vertex_face;
   std::vector<EdgeEdgePair> edge_edge;
-  const ElementPairCount count = without_gil([&] {
+  const ElementPairCount count = interruptible(budget, [&](const QueryBudget& limits) {
+    vertex_face.clear(), edge_edge.clear();
     return search([&](const VertexFacePair& pair) { return vertex_face.push_back(pair), true; },
-                  [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), true; });
+                  [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), true; },
+                  ElementPairOptions{limits, parallel});
   });
   return result("ElementPairs",
                 "vertex_face"_a = array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
@@ -36,21 +39,21 @@ ElementPairs found_elements(const Search& search) {
 ElementPairs element_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,
                               const PoseLike& pose_b, bool parallel, const BudgetObject* budget) {
   const PlacedPair pair(a, b, pose_a, pose_b);
-  return found_elements([&](auto vertex_face, auto edge_edge) {
-    return visit_element_pairs(pair.a(), pair.b(), margin, vertex_face, edge_edge, {budget_of(budget), parallel});
+  return found_elements(parallel, budget, [&](auto vertex_face, auto edge_edge, const ElementPairOptions& options) {
+    return visit_element_pairs(pair.a(), pair.b(), margin, vertex_face, edge_edge, options);
   });
 }
 
 ElementPairs self_element_pairs_of(ModelObject& model, double margin, bool parallel, const BudgetObject* budget) {
   const Reading guard = reading(model);
-  return found_elements([&](auto vertex_face, auto edge_edge) {
-    return visit_self_element_pairs(model.model, margin, vertex_face, edge_edge, {budget_of(budget), parallel});
+  return found_elements(parallel, budget, [&](auto vertex_face, auto edge_edge, const ElementPairOptions& options) {
+    return visit_self_element_pairs(model.model, margin, vertex_face, edge_edge, options);
   });
 }
 
 NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
-  const Reading guard = reading(model);
-  return without_gil([&] { return NeighborRings(model.model.mesh(), edges); });
+  return aside(model.model.mesh().triangles().size(),
+               [&mesh = model.model.mesh(), edges, use = InUse(model)] { return NeighborRings(mesh, edges); });
 }
 
 std::string element_pairs_documentation(const char* documentation) {

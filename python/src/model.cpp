@@ -21,6 +21,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/io.h"
 #include "limber/limber.h"
 #include "records.h"
@@ -29,21 +30,14 @@
 namespace limber::python {
 namespace {
 
-/// Makes a mesh of arrays, and calls use(mesh) without the GIL.
+/// Makes a mesh of arrays, and returns use(mesh), which owns what it uses, as aside() has it.
 template <typename Use>
-void with_mesh(nb::handle vertices, nb::handle faces, const Use& use) {
+auto with_mesh(nb::handle vertices, nb::handle faces, Use use) {
   const Positions positions(vertices, "vertices");
   std::vector<Corners> triangles = faces_from(faces, "faces");
-  std::optional<Error> error;
-  without_gil([&] {
-    Result<Mesh> mesh = Mesh::create(positions.view(), std::move(triangles));
-    if (mesh) {
-      use(*std::move(mesh));
-    } else {
-      error = mesh.error();
-    }
-  });
-  if (error) raise(*error);
+  Mesh mesh = value_or_raise(without_gil([&] { return Mesh::create(positions.view(), std::move(triangles)); }));
+  const std::size_t size = mesh.triangles().size();
+  return aside(size, [mesh = std::move(mesh), use = std::move(use)]() mutable { return use(std::move(mesh)); });
 }
 
 using MeshArgument = Named<"ArrayLike | MeshLike">;
@@ -69,13 +63,15 @@ void construct(ModelObject* self, const MeshArgument& vertices, const ArrayLike&
                              .rebuild_budget_us = rebuild_budget_us,
                              .preallocate = preallocate};
   const auto [positions, triangles] = mesh_arrays(vertices, faces);
-  with_mesh(positions, triangles, [&](Mesh mesh) { new (self) ModelObject(Model(std::move(mesh), options)); });
+  new (self)
+      ModelObject(with_mesh(positions, triangles, [options](Mesh mesh) { return Model(std::move(mesh), options); }));
 }
 
 void reset(ModelObject& self, const MeshArgument& vertices, const ArrayLike& faces) {
   const auto [positions, triangles] = mesh_arrays(vertices, faces);
-  const Changing guard = changing(self);
-  with_mesh(positions, triangles, [&](Mesh mesh) { self.model.reset(std::move(mesh)); });
+  with_mesh(positions, triangles, [&model = self.model, owner = nb::find(self), guard = changing(self)](Mesh mesh) {
+    return model.reset(std::move(mesh)), true;
+  });
 }
 
 /// Calls change(model) without the GIL. Raises BusyError if another thread uses the model.
@@ -83,6 +79,13 @@ template <typename Change>
 auto changed(ModelObject& self, const Change& change) {
   const Changing guard = changing(self);
   return without_gil([&] { return change(self.model); });
+}
+
+/// Calls change(model), which may take long, as aside() has it.
+template <typename Change>
+void change_aside(ModelObject& self, const Change& change) {
+  aside(self.model.mesh().triangles().size(),
+        [&model = self.model, change, owner = nb::find(self), guard = changing(self)] { return change(model), true; });
 }
 
 void move_vertices(ModelObject& self, const ArrayLike& ids, const ArrayLike& positions) {
@@ -104,7 +107,7 @@ auto read(ModelObject& self, const Read& read_model) {
 }
 
 FloatArray vertices_of(ModelObject& self) {
-  return read(self, [](const Model& m) { return array_of(std::span<const Vec3>(m.mesh().positions())); });
+  return read(self, [](const Model& m) { return read_only(array_of(std::span<const Vec3>(m.mesh().positions()))); });
 }
 
 Named<"ModelOptions"> options_of(ModelObject& self) {
@@ -119,12 +122,12 @@ Named<"ModelOptions"> options_of(ModelObject& self) {
 
 /// A copy, which outlives the model.
 MeshEdges edges_of(ModelObject& self) {
-  const Reading guard = reading(self);
-  return without_gil([&] { return self.model.edges(); });
+  return aside(self.model.mesh().triangles().size(),
+               [&model = self.model, use = InUse(self)]() -> MeshEdges { return model.edges(); });
 }
 
 IdArray faces_of(ModelObject& self) {
-  return read(self, [](const Model& m) { return array_of(std::span<const Corners>(m.mesh().triangles())); });
+  return read(self, [](const Model& m) { return read_only(array_of(std::span<const Corners>(m.mesh().triangles()))); });
 }
 
 /// What a pickle keeps: mesh, options, and the attributes that a subclass in Python has added.
@@ -161,7 +164,7 @@ void bind_stats(nb::module_& m) {
 }
 
 Named<"MeshFile"> mesh_file(const std::filesystem::path& path, bool weld, double weld_tolerance, bool parts) {
-  const MeshFile file = value_or_raise(without_gil([&] {
+  const MeshFile file = value_or_raise(aside(any_size, [path, weld, weld_tolerance, parts] {
     return read_mesh_file(path, {weld, weld_tolerance, parts});
   }));
   return result("MeshFile", "vertices"_a = array_of(std::span<const Vec3>(file.mesh.positions())),
@@ -190,12 +193,11 @@ FloatArray positions_in(const MeshSequence& self, const std::filesystem::path& p
 
 Named<"WeldedMesh"> weld_of(const MeshArgument& vertices, const ArrayLike& faces) {
   const auto [positions, triangles] = mesh_arrays(vertices, faces, "weld");
-  std::optional<WeldedMesh> welded;
-  with_mesh(positions, triangles, [&](const Mesh& mesh) { welded = weld(mesh); });
-  return result("WeldedMesh", "vertices"_a = array_of(std::span<const Vec3>(welded->mesh.positions())),
-                "faces"_a = array_of(std::span<const Corners>(welded->mesh.triangles())),
-                "welded_of"_a = array_of(std::span<const std::uint32_t>(welded->vertices.welded_of)),
-                "first_of"_a = array_of(std::span<const std::uint32_t>(welded->vertices.first_of)));
+  const WeldedMesh welded = with_mesh(positions, triangles, [](const Mesh& mesh) { return weld(mesh); });
+  return result("WeldedMesh", "vertices"_a = array_of(std::span<const Vec3>(welded.mesh.positions())),
+                "faces"_a = array_of(std::span<const Corners>(welded.mesh.triangles())),
+                "welded_of"_a = array_of(std::span<const std::uint32_t>(welded.vertices.welded_of)),
+                "first_of"_a = array_of(std::span<const std::uint32_t>(welded.vertices.first_of)));
 }
 
 constexpr const char* open_sequence_doc =
@@ -219,11 +221,15 @@ void bind_mesh_files(nb::module_& m) {
            open_sequence_doc)
       .def_prop_ro(
           "vertices",
-          [](const MeshSequence& self) { return array_of(std::span<const Vec3>(self.first().mesh.positions())); },
+          [](const MeshSequence& self) {
+            return read_only(array_of(std::span<const Vec3>(self.first().mesh.positions())));
+          },
           "Vertices of the first frame.")
       .def_prop_ro(
           "faces",
-          [](const MeshSequence& self) { return array_of(std::span<const Corners>(self.first().mesh.triangles())); },
+          [](const MeshSequence& self) {
+            return read_only(array_of(std::span<const Corners>(self.first().mesh.triangles())));
+          },
           "Triangles of every frame.")
       .def("read_positions", &positions_in, "path"_a, "frame"_a,
            nb::sig("def read_positions(self, path: str | os.PathLike[str], frame: int) -> FloatArray"),
@@ -242,7 +248,7 @@ Raises   As Model.)";
 constexpr const char* constructor_doc = R"(A model of a mesh.
 
 Mesh     Vertices and faces; or one object that has `vertices` and `faces` or `triangles`, such as a trimesh.Trimesh.
-Shape    vertices (v, 3) of float32 or float64, faces (n, 3) of int32, int64, uint32 or uint64. Both are copied.
+Shape    vertices (v, 3) of floats or integers, faces (n, 3) of integers. Both are copied.
 Options  Where None is allowed it stands for: automatic.
 Raises   ValueError for arrays of other shapes or types, no triangle, coordinates that are not finite or too large, and
          for options that are not what their texts say; IndexError for faces that name vertices that do not exist.
@@ -252,15 +258,17 @@ void bind_edges(nb::module_& m) {
   nb::class_<MeshEdges>(m, "MeshEdges", docs::MeshEdges)
       .def("__len__", &MeshEdges::size)
       .def_prop_ro(
-          "vertices", [](const MeshEdges& self) { return array_of(self.vertices()); }, docs::MeshEdges_vertices)
+          "vertices", [](const MeshEdges& self) { return read_only(array_of(self.vertices())); },
+          docs::MeshEdges_vertices)
       .def_prop_ro(
-          "of_triangles", [](const MeshEdges& self) { return array_of(self.of_triangles()); },
+          "of_triangles", [](const MeshEdges& self) { return read_only(array_of(self.of_triangles())); },
           docs::MeshEdges_of_triangles)
       .def_prop_ro(
-          "representatives", [](const MeshEdges& self) { return array_of(self.representatives()); },
+          "representatives", [](const MeshEdges& self) { return read_only(array_of(self.representatives())); },
           docs::MeshEdges_representatives)
       .def_prop_ro(
-          "vertex_representatives", [](const MeshEdges& self) { return array_of(self.vertex_representatives()); },
+          "vertex_representatives",
+          [](const MeshEdges& self) { return read_only(array_of(self.vertex_representatives())); },
           docs::MeshEdges_vertex_representatives);
 }
 
@@ -299,13 +307,17 @@ void bind_model(nb::module_& m) {
             return self.body().is_solid();
           },
           "Whether what its triangles enclose belongs to the body.");
+  // Of this class alone, as classes derived from it are pickled otherwise.
+  nb::module_::import_("copyreg").attr("pickle")(
+      nb::type<BodyObject>(), nb::cpp_function([](const BodyObject& self) { return self.reduced(); }));
   nb::class_<ModelObject, BodyObject>(m, "Model",
                                       (std::string(docs::Model) + R"(
 
 Pickle   A pickled model keeps its mesh, with all moves, and its options. It is built anew where it is unpickled: the
          history of its tree and its statistics are not kept, and it is committed.
 Busy     A call that would change a model while another thread uses it raises BusyError, and so does a query of a model
-         that is being changed. Nothing waits.)")
+         that is being changed, unless the other one ends within a second: for so long a call waits, and queries that
+         begin meanwhile let a change go first. A thread that is in a call already, as a filter is, does not wait.)")
                                           .c_str())
       .def("__init__", &construct, "vertices"_a, "faces"_a = nb::none(), nb::kw_only(), "motion_margin"_a = 0.0,
            "rebuild_policy"_a = RebuildPolicy::in_commit, "rebuild_budget_us"_a.none() = nb::none(),
@@ -313,9 +325,10 @@ Busy     A call that would change a model while another thread uses it raises Bu
       .def("move_vertices", &move_vertices, "ids"_a, "positions"_a, docs::Model_move_vertices)
       .def("move_all", &move_all, "positions"_a, docs::Model_move_all)
       .def(
-          "commit", [](ModelObject& self) { changed(self, [](Model& model) { model.commit(); }); }, docs::Model_commit)
+          "commit", [](ModelObject& self) { change_aside(self, [](Model& model) { model.commit(); }); },
+          docs::Model_commit)
       .def(
-          "rebuild", [](ModelObject& self) { changed(self, [](Model& model) { model.rebuild(); }); },
+          "rebuild", [](ModelObject& self) { change_aside(self, [](Model& model) { model.rebuild(); }); },
           docs::Model_rebuild)
       .def(
           "set_motion_margin",
@@ -327,16 +340,17 @@ Busy     A call that would change a model while another thread uses it raises Bu
       .def(
           "validate",
           [](ModelObject& self) {
-            const Reading guard = reading(self);
-            value_or_raise(without_gil([&] { return self.model.validate(); }));
+            value_or_raise(aside(self.model.mesh().triangles().size(),
+                                 [&model = self.model, use = InUse(self)] { return model.validate(); }));
           },
           docs::Model_validate)
       .def_prop_ro(
           "is_committed",
           [](ModelObject& self) { return read(self, [](const Model& model) { return model.is_committed(); }); },
           docs::Model_is_committed)
-      .def_prop_ro("vertices", &vertices_of, "A copy of the positions, moves included: shape (v, 3), float64.")
-      .def_prop_ro("faces", &faces_of, "A copy of the triangles: shape (n, 3), uint32.")
+      .def_prop_ro("vertices", &vertices_of,
+                   "A read-only copy of the positions, moves included: shape (v, 3), float64. See move_all().")
+      .def_prop_ro("faces", &faces_of, "A read-only copy of the triangles: shape (n, 3), uint32.")
       .def_prop_ro("edges", &edges_of, (std::string(docs::Model_edges) + "\n\nReturns  A copy.").c_str())
       .def_prop_ro("options", &options_of, "The options that the model has, by name.")
       .def_prop_ro(

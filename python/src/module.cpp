@@ -11,6 +11,7 @@
 
 #include "bindings.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "records.h"
 
 namespace limber::python {
@@ -82,6 +83,7 @@ NB_MODULE(_core, module) {
   nanobind::set_leak_warnings(false);
   module.doc() = "The compiled part of limber3d.";
   module.attr("version") = LIMBER_VERSION;
+  nanobind::module_::import_("atexit").attr("register")(nanobind::cpp_function(&python::wait_for_abandoned));
   python::bind_errors(module);
   python::bind_arrays();
   python::bind_records(module);

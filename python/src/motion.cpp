@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "bindings.h"
 #include "budget.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 #include "value_class.h"
@@ -32,7 +34,12 @@ class MovingModelObject {
     const Changing own = users_.change("the moving model is in use by another thread");
     const Reading guard = reading(model_);
     value_or_raise(without_gil([&] { return moving_.set_motion(end, start, finish); }));
-    has_motion_ = true;
+    motion_ = nb::make_tuple(array_of(std::span<const Vec3>(end)), array_of(start), array_of(finish));
+  }
+
+  nb::tuple reduced() const {
+    const nb::object motion = motion_.is_valid() ? motion_ : nb::none();
+    return restored_by(nb::type<MovingModelObject>(), nb::make_tuple(nb::find(model_)), motion);
   }
 
   /// A moving model, and the right to read it and its model while a query runs.
@@ -43,7 +50,7 @@ class MovingModelObject {
   InUse use() {
     Reading own = users_.read("the motion is being set by another thread");
     Reading model = reading(model_);
-    if (!has_motion_) throw nb::value_error("the moving model has no motion: call set_motion()");
+    if (!motion_.is_valid()) throw nb::value_error("the moving model has no motion: call set_motion()");
     return {std::move(own), std::move(model), moving_};
   }
 
@@ -51,7 +58,7 @@ class MovingModelObject {
   ModelObject& model_;
   Users users_;
   MovingModel moving_;
-  bool has_motion_ = false;
+  nb::object motion_;  // the arguments of set_motion(), for pickles
 };
 
 /// A filter as Python passes it: called with an ElementPair.
@@ -63,9 +70,9 @@ struct ElementFilter {
 /// The options that all queries have, and whether they need the GIL.
 struct ImpactArguments {
   ImpactArguments(double max_time, double time_error, double min_separation, double separation_fraction,
-                  nb::handle filter, bool parallel, const BudgetObject* budget)
-      : options{max_time, time_error, min_separation, separation_fraction} {
-    options.budget = budget_of(budget), options.parallel = parallel && filter.is_none();  // this thread holds the GIL
+                  nb::handle filter, bool parallel, const BudgetObject* limits)
+      : options{max_time, time_error, min_separation, separation_fraction}, budget(limits) {
+    options.parallel = parallel && filter.is_none();  // this thread holds the GIL
     if (filter.is_none()) return;
     if (PyCallable_Check(filter.ptr()) == 0) throw nb::type_error("filter: expected None or something to call");
     predicate = {nb::borrow(filter)};
@@ -74,10 +81,19 @@ struct ImpactArguments {
   ImpactArguments(const ImpactArguments&) = delete;
   ImpactArguments& operator=(const ImpactArguments&) = delete;
 
-  bool needs_gil() const { return options.filter.has_value(); }
+  /// Returns query(options).
+  template <typename Query>
+  auto ask(const Query& query) {
+    const auto within = [&](const QueryBudget& limits) {
+      options.budget = limits;
+      return query(static_cast<const ImpactOptions&>(options));
+    };
+    return interruptible(budget, within, options.filter.has_value());
+  }
 
   ElementFilter predicate;
   ImpactOptions options;
+  const BudgetObject* budget;
 };
 
 ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
@@ -86,8 +102,7 @@ ImpactResult time_of_impact_of(MovingModelObject& a, MovingModelObject& b, doubl
   ImpactArguments given(max_time, time_error, min_separation, separation_fraction, filter, parallel, budget);
   given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use_a = a.use(), use_b = b.use();
-  return without_gil_unless(given.needs_gil(),
-                            [&] { return time_of_impact(use_a.moving, use_b.moving, given.options); });
+  return given.ask([&](const ImpactOptions& options) { return time_of_impact(use_a.moving, use_b.moving, options); });
 }
 
 ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
@@ -96,52 +111,57 @@ ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, d
   ImpactArguments given(max_time, time_error, min_separation, separation_fraction, filter, parallel, budget);
   given.options.ignore_crossings = ignore_crossings, given.options.any_contact = any_contact;
   const auto use = model.use();
-  return without_gil_unless(given.needs_gil(), [&] { return self_time_of_impact(use.moving, given.options); });
+  return given.ask([&](const ImpactOptions& options) { return self_time_of_impact(use.moving, options); });
 }
 
-/// The pairs that search(visitor) visits, without the GIL, as a result of that class.
+/// The pairs that search(visitor, options) visits, without the GIL, as a result of that class.
 template <typename Pair, typename Search>
-nb::object found_impacts(const char* class_name, nb::handle dtype, const Search& search) {
+nb::object found_impacts(const char* class_name, nb::handle dtype, ImpactArguments& given, const Search& search) {
   std::vector<Pair> pairs;
-  const PairCount count =
-      without_gil([&] { return search([&](const Pair& pair) { return pairs.push_back(pair), true; }); });
+  const PairCount count = given.ask([&](const ImpactOptions& options) {
+    pairs.clear();
+    return search([&](const Pair& pair) { return pairs.push_back(pair), true; }, options);
+  });
   return found(class_name, array_of(std::span<const Pair>(pairs), dtype), count);
 }
 
 Named<"Impacts"> impacts_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
                             double min_separation, double separation_fraction, bool parallel,
                             const BudgetObject* budget) {
-  const ImpactArguments given(max_time, time_error, min_separation, separation_fraction, nb::none(), parallel, budget);
+  ImpactArguments given(max_time, time_error, min_separation, separation_fraction, nb::none(), parallel, budget);
   const auto use_a = a.use(), use_b = b.use();
-  return found_impacts<Impact>("Impacts", dtypes().impact, [&](auto visit) {
-    return visit_impacts(use_a.moving, use_b.moving, visit, given.options);
+  return found_impacts<Impact>("Impacts", dtypes().impact, given, [&](auto visit, const ImpactOptions& options) {
+    return visit_impacts(use_a.moving, use_b.moving, visit, options);
   });
 }
 
 Named<"Impacts"> self_impacts_of(MovingModelObject& model, double max_time, double time_error, double min_separation,
                                  double separation_fraction, bool parallel, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, time_error, min_separation, separation_fraction, nb::none(), parallel, budget);
+  ImpactArguments given(max_time, time_error, min_separation, separation_fraction, nb::none(), parallel, budget);
   const auto use = model.use();
-  return found_impacts<Impact>("Impacts", dtypes().impact,
-                               [&](auto visit) { return visit_self_impacts(use.moving, visit, given.options); });
+  return found_impacts<Impact>("Impacts", dtypes().impact, given, [&](auto visit, const ImpactOptions& options) {
+    return visit_self_impacts(use.moving, visit, options);
+  });
 }
 
 Named<"ImpactCandidates"> impact_candidates_of(MovingModelObject& a, MovingModelObject& b, double max_time,
                                                double min_separation, bool parallel, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), parallel, budget);
+  ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), parallel, budget);
   const auto use_a = a.use(), use_b = b.use();
-  return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, [&](auto visit) {
-    return visit_impact_candidates(use_a.moving, use_b.moving, visit, given.options);
-  });
+  return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, given,
+                                    [&](auto visit, const ImpactOptions& options) {
+                                      return visit_impact_candidates(use_a.moving, use_b.moving, visit, options);
+                                    });
 }
 
 Named<"ImpactCandidates"> self_impact_candidates_of(MovingModelObject& model, double max_time, double min_separation,
                                                     bool parallel, const BudgetObject* budget) {
-  const ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), parallel, budget);
+  ImpactArguments given(max_time, 0, min_separation, 0, nb::none(), parallel, budget);
   const auto use = model.use();
-  return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, [&](auto visit) {
-    return visit_self_impact_candidates(use.moving, visit, given.options);
-  });
+  return found_impacts<ElementPair>("ImpactCandidates", dtypes().element_pair, given,
+                                    [&](auto visit, const ImpactOptions& options) {
+                                      return visit_self_impact_candidates(use.moving, visit, options);
+                                    });
 }
 
 ElementState state_of_pair(MovingModelObject& a, MovingModelObject& b, const ElementPair& elements, double time) {
@@ -167,10 +187,12 @@ FloatArray array_of_numbers(const std::vector<double>& numbers) {
 }
 
 FloatArray limit_self_displacements_of(ModelObject& model, double separation, const ArrayLike& displacements) {
-  std::vector<double> limits = displacements_from(displacements, "displacements");
-  const Reading guard = reading(model);
-  without_gil([&] { limit_self_displacements(model.model, separation, limits); });
-  return array_of_numbers(limits);
+  return array_of_numbers(aside(model.model.mesh().triangles().size(),
+                                [&body = model.model, separation, use = InUse(model),
+                                 limits = displacements_from(displacements, "displacements")]() mutable {
+                                  limit_self_displacements(body, separation, limits);
+                                  return limits;
+                                }));
 }
 
 Named<"DisplacementLimits"> limits_of(const std::vector<double>& of_a, const std::vector<double>& of_b, nb::handle b) {
@@ -183,8 +205,12 @@ Named<"DisplacementLimits"> limit_displacements_of(ModelObject& a, ModelObject& 
                                                    const PoseLike& pose_b) {
   std::vector<double> limits_a = displacements_from(of_a, "of_a"), limits_b;
   if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
-  const PlacedPair pair(a, b, pose_a, pose_b);
-  without_gil([&] { limit_displacements(pair.a(), pair.b(), separation, limits_a, limits_b); });
+  const Placed placed_a(a.model, pose_from(pose_a, "pose_a")), placed_b(b.model, pose_from(pose_b, "pose_b"));
+  std::tie(limits_a, limits_b) =
+      aside(a.model.mesh().triangles().size(), [=, use_a = InUse(a), use_b = InUse(b)]() mutable {
+        limit_displacements(placed_a, placed_b, separation, limits_a, limits_b);
+        return std::pair(limits_a, limits_b);
+      });
   return limits_of(limits_a, limits_b, of_b);
 }
 
@@ -211,8 +237,10 @@ PathImpact path_impact_of(BodyObject& a, const RigidMotion& motion_a, BodyObject
                           const BudgetObject* budget, QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
-  const PathOptions options{max_time, min_separation, distance_error, used.get(), budget_of(budget)};
-  return without_gil([&] { return time_of_impact(a.body(), motion_a, b.body(), motion_b, options); });
+  return interruptible(true, false, budget, used.get(), [&](const QueryBudget& limits) {
+    const PathOptions options{max_time, min_separation, distance_error, used.get(), limits};
+    return time_of_impact(a.body(), motion_a, b.body(), motion_b, options);
+  });
 }
 
 PathDistance min_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyObject& b, const RigidMotion& motion_b,
@@ -220,14 +248,13 @@ PathDistance min_distance_of(BodyObject& a, const RigidMotion& motion_a, BodyObj
                              QueryCacheObject* cache) {
   const Reading reading_a = reading(a), reading_b = reading(b);
   const Used used(cache);
-  const PathOptions options{max_time, 0, distance_error, used.get(), budget_of(budget)};
-  return without_gil([&] { return min_distance(a.body(), motion_a, b.body(), motion_b, options); });
+  return interruptible(true, false, budget, used.get(), [&](const QueryBudget& limits) {
+    const PathOptions options{max_time, 0, distance_error, used.get(), limits};
+    return min_distance(a.body(), motion_a, b.body(), motion_b, options);
+  });
 }
 
-FloatArray matrix_at(const RigidMotion& motion, double time) {
-  const auto matrix = matrix_of(motion.at(time), MatrixOrder::row_major);
-  return array_of(std::span<const double>(matrix), nb::str("float64"), {4, 4});
-}
+FloatArray matrix_at(const RigidMotion& motion, double time) { return array_of(motion.at(time)); }
 
 void bind_values(nb::module_& m) {
   nb::enum_<ImpactStatus>(m, "ImpactStatus", nb::is_arithmetic(), "Whether, and how, moving models touch.")
@@ -291,7 +318,14 @@ void bind_moving_models(nb::module_& m) {
   nb::class_<MovingModelObject>(m, "MovingModel", docs::MovingModel)
       .def(nb::init<ModelObject&>(), "model"_a, nb::keep_alive<1, 2>(), "Of a model. It has no motion yet.")
       .def("set_motion", &MovingModelObject::set_motion, "end_positions"_a, "start_pose"_a = nb::none(),
-           "end_pose"_a = nb::none(), docs::MovingModel_set_motion);
+           "end_pose"_a = nb::none(), docs::MovingModel_set_motion)
+      .def("__reduce__", &MovingModelObject::reduced, nb::sig("def __reduce__(self) -> tuple[Any, ...]"))
+      .def(
+          "_restore",
+          [](MovingModelObject& self, const nb::tuple& motion) {
+            self.set_motion(nb::object(motion[0]), nb::object(motion[1]), nb::object(motion[2]));
+          },
+          nb::sig("def _restore(self, state: tuple[Any, ...], /) -> None"));
   m.def("time_of_impact", &time_of_impact_of, "a"_a, "b"_a, nb::kw_only(), "max_time"_a = 1.0, "time_error"_a = 0.0,
         "min_separation"_a = 0.0, "separation_fraction"_a = 0.0, "ignore_crossings"_a = false, "any_contact"_a = false,
         "filter"_a = nb::none(), "parallel"_a = false, "budget"_a = nb::none(),
@@ -334,21 +368,22 @@ void bind_moving_models(nb::module_& m) {
 void bind_element_states(nb::module_& m) {
   nb::class_<ElementState>(m, "ElementState", docs::ElementState)
       .def_prop_ro(
-          "vertices", [](const ElementState& s) { return array_of(std::span<const std::uint32_t>(s.vertices)); },
+          "vertices",
+          [](const ElementState& s) { return read_only(array_of(std::span<const std::uint32_t>(s.vertices))); },
           docs::ElementState_vertices)
       .def_ro("count_of_a", &ElementState::count_of_a, docs::ElementState_count_of_a)
       .def_prop_ro(
           "weights",
           [](const ElementState& s) -> FloatArray {
-            return array_of(std::span<const double>(s.weights), nb::str("float64"), {4});
+            return read_only(array_of(std::span<const double>(s.weights), nb::str("float64"), {4}));
           },
           docs::ElementState_weights)
       .def_prop_ro(
-          "point_a", [](const ElementState& s) { return array_of(s.point_a); }, docs::ElementState_point_a)
+          "point_a", [](const ElementState& s) { return read_only(array_of(s.point_a)); }, docs::ElementState_point_a)
       .def_prop_ro(
-          "point_b", [](const ElementState& s) { return array_of(s.point_b); }, docs::ElementState_point_a)
+          "point_b", [](const ElementState& s) { return read_only(array_of(s.point_b)); }, docs::ElementState_point_a)
       .def_prop_ro(
-          "normal", [](const ElementState& s) { return array_of(s.normal); }, docs::ElementState_normal);
+          "normal", [](const ElementState& s) { return read_only(array_of(s.normal)); }, docs::ElementState_normal);
   m.def("state_of", &state_of_pair, "a"_a, "b"_a, "elements"_a, "time"_a, docs::state_of);
   m.def("self_state_of", &self_state_of_pair, "model"_a, "elements"_a, "time"_a, docs::state_of);
 }
@@ -370,6 +405,13 @@ void bind_rigid_motions(nb::module_& m) {
             return RigidMotion::screw(pose_from(start, "start"), pose_from(end, "end"));
           },
           "start"_a.none(), "end"_a.none(), docs::RigidMotion_screw)
+      .def(
+          "__reduce__",
+          [](const RigidMotion& self) {
+            return nb::make_tuple(nb::type<RigidMotion>(),
+                                  nb::make_tuple(matrix_at(self, 0), matrix_at(self, 1), array_of(self.center())));
+          },
+          nb::sig("def __reduce__(self) -> tuple[Any, ...]"))
       .def("at", &matrix_at, "time"_a, "The pose at a time, as a 4 x 4 matrix.")
       .def("speed", &RigidMotion::speed, "radius"_a, docs::RigidMotion_speed);
   m.def("time_of_impact", &path_impact_of, "a"_a, "motion_a"_a, "b"_a, "motion_b"_a, nb::kw_only(), "max_time"_a = 1.0,

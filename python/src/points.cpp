@@ -13,6 +13,7 @@
 #include "bindings.h"
 #include "closed_surface.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 
@@ -30,9 +31,10 @@ RecordArray closest_points_of(ModelObject& model, const ArrayLike& points, const
   const Reading guard = reading(model);
   const std::vector<Vec3> asked = points_from(points, "points");
   const Placed placed(model.model, pose_from(pose, "pose"));
-  std::vector<PointResult> results(asked.size());
-  without_gil([&] { closest_point_many(placed, asked, results, {max_distance}); });
-  return recorded(results, dtypes().surface_point);
+  const auto ask = [&](auto part, auto results, const QueryBudget&) {
+    closest_point_many(placed, part, results, {max_distance});
+  };
+  return recorded_in_parts<PointResult>(asked, has_bad_point(asked), nullptr, dtypes().surface_point, ask);
 }
 
 double winding_number_of(ModelObject& model, const ArrayLike& point, const PoseLike& pose) {
@@ -46,8 +48,15 @@ void bind_closed_surface(nb::module_& m) {
   nb::class_<ClosedSurfaceObject>(m, "ClosedSurface", docs::ClosedSurface,
                                   nb::type_slots(collectable<ClosedSurfaceObject>))
       .def(nb::init<nb::handle_t<ModelObject>>(), "model"_a,
-           "Raises ValueError, naming an edge, if the surface is not closed and oriented. Takes O(n log n).")
+           "Raises ValueError, naming an edge, if the surface is not closed and oriented. Of such a surface\n"
+           "generalized_winding_number() tells inside from outside. Takes O(n log n).")
       .def_prop_ro("model", &ClosedSurfaceObject::model, "The model.")
+      .def(
+          "__reduce__",
+          [](const ClosedSurfaceObject& self) {
+            return nb::make_tuple(nb::type<ClosedSurfaceObject>(), nb::make_tuple(self.model()));
+          },
+          nb::sig("def __reduce__(self) -> tuple[Any, ...]"))
       .def(
           "solid",
           [](ClosedSurfaceObject& self) -> std::unique_ptr<BodyObject> { return std::make_unique<SolidObject>(self); },

@@ -10,32 +10,43 @@
 #include "bindings.h"
 #include "budget.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 
 namespace limber::python {
 namespace {
+
+template <typename Query>
+auto ask(const PlacedPair& pair, const BudgetObject* budget, const Used<QueryCache>& used, const Query& query) {
+  return interruptible(may_take_long(pair.a().body(), pair.b().body()), false, budget, used.get(), query);
+}
 
 DistanceResult distance_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
                            double relative_error, double absolute_error, double max_distance,
                            const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);
-  const DistanceOptions options{relative_error, absolute_error, max_distance, used.get(), budget_of(budget)};
-  return without_gil([&] { return distance(pair.a(), pair.b(), options); });
+  return ask(pair, budget, used, [&](const QueryBudget& limits) {
+    return distance(pair.a(), pair.b(), {relative_error, absolute_error, max_distance, used.get(), limits});
+  });
 }
 
 CollideResult collide_of(BodyObject& a, BodyObject& b, const PoseLike& pose_a, const PoseLike& pose_b,
                          const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);
-  return without_gil([&] { return collide(pair.a(), pair.b(), {used.get(), budget_of(budget)}); });
+  return ask(pair, budget, used, [&](const QueryBudget& limits) {
+    return collide(pair.a(), pair.b(), {used.get(), limits});
+  });
 }
 
 CollideResult within_of(BodyObject& a, BodyObject& b, double max_distance, const PoseLike& pose_a,
                         const PoseLike& pose_b, const BudgetObject* budget, QueryCacheObject* cache) {
   const PlacedPair pair(a, b, pose_a, pose_b);
   const Used used(cache);
-  return without_gil([&] { return within(pair.a(), pair.b(), max_distance, {used.get(), budget_of(budget)}); });
+  return ask(pair, budget, used, [&](const QueryBudget& limits) {
+    return within(pair.a(), pair.b(), max_distance, {used.get(), limits});
+  });
 }
 
 void bind_arguments(nb::module_& m) {

@@ -166,9 +166,27 @@ RecordArray recorded(const std::vector<Result>& results, nb::handle dtype) {
   return array_of(std::span<const Record>(records), dtype);
 }
 
+/// What __reduce__() returns of an object that is made with arguments, and then gets a state by _restore().
+inline nb::tuple restored_by(nb::handle type, const nb::tuple& arguments, const nb::object& state) {
+  return nb::make_tuple(nb::module_::import_("limber3d.results").attr("restored"),
+                        nb::make_tuple(type, arguments, state));
+}
+
+/// The array of a property: writing to what a property returns would be lost.
+template <typename Array>
+Array read_only(Array array) {
+  array.attr("setflags")("write"_a = false);
+  return array;
+}
+
 /// Three coordinates.
 inline FloatArray array_of(const Vec3& vector) {
   return array_of(std::span<const Vec3>(&vector, 1), nb::str("float64"), {3});
+}
+/// A pose as a matrix of 4 x 4.
+inline FloatArray array_of(const Transform& pose) {
+  const auto matrix = matrix_of(pose, MatrixOrder::row_major);
+  return array_of(std::span<const double>(matrix), nb::str("float64"), {4, 4});
 }
 /// Rows of three coordinates.
 FloatArray array_of(std::span<const Vec3> vectors);

@@ -5,6 +5,8 @@
 #include <array>
 #include <limits>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -120,9 +122,16 @@ void bind_shapes(nb::module_& m) {
 }
 
 FloatArray orthonormalized_of(const ArrayLike& matrix) {
-  const Mat3 rotation = value_or_raise(orthonormalized(matrix_from(matrix, "matrix")));
-  const std::array<Vec3, 3> rows{rotation.row0, rotation.row1, rotation.row2};
-  return array_of(std::span<const Vec3>(rows));
+  const Array given(matrix, "matrix", "shape (3, 3) or (4, 4) of floats or integers", Lists::floats);
+  const bool is_pose = given.has_floats({4, 4});
+  if (!is_pose && !given.has_floats({3, 3})) given.refuse();
+  const auto& [x, y, z] = value_or_raise(orthonormalized(matrix_from(given)));
+  if (!is_pose) return array_of(std::span<const Vec3>(std::array{x, y, z}));
+  const std::vector<double> m = given.numbers();
+  const std::array<double, 16> pose{x.x, x.y, x.z, m[3],  y.x,   y.y,   y.z,   m[7],
+                                    z.x, z.y, z.z, m[11], m[12], m[13], m[14], m[15]};
+  (void)value_or_raise(transform_from_matrix(pose, MatrixOrder::row_major));  // its last row, and finite numbers
+  return array_of(std::span<const double>(pose), nb::str("float64"), {4, 4});
 }
 
 }  // namespace
@@ -133,7 +142,9 @@ void bind_results(nb::module_& m) {
   bind_answers(m);
   bind_points_found(m);
   bind_shapes(m);
-  m.def("orthonormalized", &orthonormalized_of, "matrix"_a, docs::orthonormalized);
+  m.def("orthonormalized", &orthonormalized_of, "matrix"_a,
+        (std::string(docs::orthonormalized) + "\n\nPoses    Of a 4 x 4 matrix the rotation; all else stays as it is.")
+            .c_str());
 }
 
 }  // namespace limber::python

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +17,7 @@
 #include "bindings.h"
 #include "budget.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 #include "scene_object.h"
@@ -85,10 +87,10 @@ ClosestObjectResult closest_object_of(SceneObject& self, nb::handle_t<BodyObject
   const Placed placed(object.body(), pose_from(pose, "pose"));
   const SingleFilter which(filter);
   return self.read([&](const Scene& scene) {
-    return without_gil_unless(which.needs_gil(), [&] {
-      return scene.closest_object(placed,
-                                  {relative_error, absolute_error, max_distance, which.get(), budget_of(budget)});
-    });
+    const auto ask = [&](const QueryBudget& limits) {
+      return scene.closest_object(placed, {relative_error, absolute_error, max_distance, which.get(), limits});
+    };
+    return interruptible(budget, ask, which.needs_gil());
   });
 }
 
@@ -99,10 +101,11 @@ ObjectImpactResult object_impact_of(SceneObject& self, nb::handle_t<BodyObject> 
   const Reading model_guard = reading(object);
   const SingleFilter which(filter);
   return self.read([&](const Scene& scene) {
-    return without_gil_unless(which.needs_gil(), [&] {
+    const auto ask = [&](const QueryBudget& limits) {
       return scene.time_of_impact(object.body(), motion,
-                                  {max_time, min_separation, distance_error, which.get(), budget_of(budget)});
-    });
+                                  {max_time, min_separation, distance_error, which.get(), limits});
+    };
+    return interruptible(budget, ask, which.needs_gil());
   });
 }
 
@@ -110,9 +113,8 @@ AnyWithinResult any_within_of(SceneObject& self, double max_distance, const Obje
                               const BudgetObject* budget) {
   const Filter which(filter);
   return self.read([&](const Scene& scene) {
-    return without_gil_unless(which.needs_gil(), [&] {
-      return scene.any_within(max_distance, {which.get(), budget_of(budget)});
-    });
+    const auto ask = [&](const QueryBudget& limits) { return scene.any_within(max_distance, {which.get(), limits}); };
+    return interruptible(budget, ask, which.needs_gil());
   });
 }
 
@@ -122,48 +124,81 @@ std::vector<ObjectPair> object_pairs_from(nb::handle pairs) {
   return asked;
 }
 
+bool names_no_object(const Scene& scene, std::span<const ObjectPair> pairs) {
+  return !std::all_of(pairs.begin(), pairs.end(),
+                      [&](const ObjectPair& pair) { return scene.contains(pair.a) && scene.contains(pair.b); });
+}
+
 Named<"ManyContacts"> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
                                         std::optional<OrientedFaces> oriented_faces) {
   const std::vector<ObjectPair> asked = object_pairs_from(pairs);
   ObjectContacts found;
-  self.read([&](const Scene& scene) { without_gil([&] { scene.contacts(asked, margin, found, {oriented_faces}); }); });
-  const std::vector<std::int64_t> offsets(found.offsets.begin(), found.offsets.end());
-  return result("ManyContacts", "contacts"_a = array_of(std::span<const Contact>(found.contacts), dtypes().contact),
-                "offsets"_a = array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()}));
+  std::vector<Contact> contacts;
+  std::vector<std::int64_t> offsets{0};
+  const auto first = [&](std::size_t count) {
+    offsets.resize(count + 1), contacts.resize(static_cast<std::size_t>(offsets.back()));
+    return result("ManyContacts", "contacts"_a = array_of(std::span<const Contact>(contacts), dtypes().contact),
+                  "offsets"_a = array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()}));
+  };
+  self.read([&](const Scene& scene) {
+    const auto ask = [&](std::size_t begin, std::size_t end, const QueryBudget&) {
+      offsets.resize(begin + 1), contacts.resize(static_cast<std::size_t>(offsets.back()));  // if asked again
+      scene.contacts(std::span(asked).subspan(begin, end - begin), margin, found, {oriented_faces});
+      for (std::size_t i = 1; i < found.offsets.size(); ++i) {
+        offsets.push_back(static_cast<std::int64_t>(contacts.size() + found.offsets[i]));
+      }
+      contacts.insert(contacts.end(), found.contacts.begin(), found.contacts.end());
+    };
+    in_parts(asked.size(), names_no_object(scene, asked), nullptr, ask, first);
+  });
+  return first(asked.size());
 }
 
-/// Asks query(scene, pairs, results, cache) about pairs of objects; its answers as an array of records.
+/// Asks query(scene, pairs, results, cache, budget) about pairs of objects; its answers as an array of records.
 template <typename Result, typename Query>
 RecordArray asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache, nb::handle dtype,
-                           const Query& query) {
+                           const BudgetObject* budget, const Query& query) {
   const Used used(cache);
   const std::vector<ObjectPair> asked = object_pairs_from(pairs);
-  std::vector<Result> results(asked.size());
-  self.read([&](const Scene& scene) { without_gil([&] { query(scene, asked, results, used.get()); }); });
-  return recorded(results, dtype);
+  return self.read([&](const Scene& scene) {
+    const bool is_refused = names_no_object(scene, asked);
+    const auto ask = [&](auto part, auto results, const QueryBudget& limits) {
+      query(scene, part, results, used.get(), limits);
+    };
+    try {  // with a cache at once: a part would take the place of another one in it
+      return recorded_in_parts<Result>(asked, is_refused || cache != nullptr, budget, dtype, ask);
+    } catch (...) {
+      if (cache != nullptr) used.get()->clear();
+      throw;
+    }
+  });
 }
 
 RecordArray collide_pairs(SceneObject& self, const ArrayLike& pairs, SceneCacheObject* cache,
                           const BudgetObject* budget) {
-  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide,
-                                       [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-                                         scene.collide(asked, results, {c, budget_of(budget)});
+  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide, budget,
+                                       [&](const Scene& scene, std::span<const ObjectPair> asked, auto results,
+                                           SceneCache* c, const QueryBudget& limits) {
+                                         scene.collide(asked, results, {c, limits});
                                        });
 }
 
 RecordArray pairs_within(SceneObject& self, const ArrayLike& pairs, double max_distance, SceneCacheObject* cache,
                          const BudgetObject* budget) {
-  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide,
-                                       [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-                                         scene.within(asked, max_distance, results, {c, budget_of(budget)});
+  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide, budget,
+                                       [&](const Scene& scene, std::span<const ObjectPair> asked, auto results,
+                                           SceneCache* c, const QueryBudget& limits) {
+                                         scene.within(asked, max_distance, results, {c, limits});
                                        });
 }
 
 RecordArray pair_distances(SceneObject& self, const ArrayLike& pairs, double relative_error, double absolute_error,
                            double max_distance, SceneCacheObject* cache, const BudgetObject* budget) {
   return asked_of_pairs<DistanceResult>(
-      self, pairs, cache, dtypes().distance, [&](const Scene& scene, const auto& asked, auto& results, SceneCache* c) {
-        scene.distance(asked, results, {relative_error, absolute_error, max_distance, c, budget_of(budget)});
+      self, pairs, cache, dtypes().distance, budget,
+      [&](const Scene& scene, std::span<const ObjectPair> asked, auto results, SceneCache* c,
+          const QueryBudget& limits) {
+        scene.distance(asked, results, {relative_error, absolute_error, max_distance, c, limits});
       });
 }
 
@@ -173,17 +208,42 @@ ClosestObjectsResult closest_objects_of(SceneObject& self, double relative_error
   const Filter which(filter);
   const Used used(cache);
   return self.read([&](const Scene& scene) {
-    return without_gil_unless(which.needs_gil(), [&] {
-      return scene.closest_objects(
-          {relative_error, absolute_error, max_distance, which.get(), used.get(), budget_of(budget)});
+    return interruptible(true, which.needs_gil(), budget, used.get(), [&](const QueryBudget& limits) {
+      return scene.closest_objects({relative_error, absolute_error, max_distance, which.get(), used.get(), limits});
     });
   });
 }
 
 FloatArray pose_of(SceneObject& self, ObjectId id) {
-  const Transform pose = self.look([&](const Scene& scene) { return scene.object(id).pose; });
-  const std::array<double, 16> matrix = matrix_of(pose, MatrixOrder::row_major);
-  return array_of(std::span<const double>(matrix), nb::str("float64"), {4, 4});
+  return array_of(self.look([&](const Scene& scene) { return scene.object(id).pose; }));
+}
+
+/// What a pickle keeps of each id: a body and its pose, or None; and whether they are committed.
+nb::tuple reduced(nb::handle_t<SceneObject> self) {
+  auto& scene = nb::cast<SceneObject&>(self);
+  nb::list objects;
+  const bool is_committed = scene.read([&](const Scene& read) {
+    for (ObjectId id = 0; id < read.id_bound(); ++id) {
+      objects.append(read.contains(id) ? nb::object(nb::make_tuple(scene.model(id), pose_of(scene, id))) : nb::none());
+    }
+    return read.is_committed();
+  });
+  return restored_by(self.type(), nb::tuple(), nb::make_tuple(objects, is_committed));
+}
+
+void restore(SceneObject& self, const nb::tuple& state) {
+  std::vector<ObjectId> unused;
+  nb::object some;  // a body for ids that none has, until all are there
+  for (const nb::handle object : state[0]) some = object.is_none() ? some : nb::object(object[0]);
+  for (const nb::handle object : state[0]) {
+    const bool is_used = !object.is_none();
+    if (!some.is_valid()) break;
+    const ObjectId id = self.add(nb::handle_t<BodyObject>(is_used ? nb::object(object[0]) : some),
+                                 is_used ? nb::object(object[1]) : nb::none());
+    if (!is_used) unused.push_back(id);
+  }
+  for (const ObjectId id : unused) self.remove(id);
+  if (nb::cast<bool>(state[1])) self.commit();
 }
 
 bool contains(SceneObject& self, nb::handle id) {
@@ -241,6 +301,8 @@ void bind_scene(nb::module_& m) {
       .def("set_pose", &SceneObject::set_pose, "id"_a, "pose"_a.none(), docs::Scene_set_pose)
       .def("set_poses", &SceneObject::set_poses, "ids"_a, "poses"_a.none(), docs::Scene_set_poses)
       .def("commit", &SceneObject::commit, docs::Scene_commit)
+      .def("__reduce__", &reduced, nb::sig("def __reduce__(self) -> tuple[Any, ...]"))
+      .def("_restore", &restore, nb::sig("def _restore(self, state: tuple[Any, ...], /) -> None"))
       .def_prop_ro(
           "is_committed",
           [](SceneObject& self) { return self.read([](const Scene& scene) { return scene.is_committed(); }); },

@@ -12,7 +12,7 @@
 #include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
-#include "budget.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 #include "scene_object.h"
@@ -48,19 +48,19 @@ class SceneBatch {
 
   void closest_objects(const RecordArray& records, std::size_t begin, std::size_t end, double relative_error,
                        double absolute_error, double max_distance, const BudgetObject* budget) {
-    const ClosestObjectsOptions options{relative_error, absolute_error, max_distance,
-                                        filter(),       nullptr,        budget_of(budget)};
-    write<ClosestObjectsResult>(records, begin, end, [&](const Scene& scene, auto poses, auto& results) {
-      scene.closest_objects_many(ids_, poses, results, options);
-    });
+    write<ClosestObjectsResult>(
+        records, begin, end, budget, [&](const Scene& scene, auto poses, auto& results, const QueryBudget& limits) {
+          scene.closest_objects_many(ids_, poses, results,
+                                     {relative_error, absolute_error, max_distance, filter(), nullptr, limits});
+        });
   }
 
   void any_within(const RecordArray& records, std::size_t begin, std::size_t end, double max_distance,
                   const BudgetObject* budget) {
-    const AnyWithinOptions options{filter(), budget_of(budget)};
-    write<AnyWithinResult>(records, begin, end, [&](const Scene& scene, auto poses, auto& results) {
-      scene.any_within_many(ids_, poses, max_distance, results, options);
-    });
+    write<AnyWithinResult>(records, begin, end, budget,
+                           [&](const Scene& scene, auto poses, auto& results, const QueryBudget& limits) {
+                             scene.any_within_many(ids_, poses, max_distance, results, {filter(), limits});
+                           });
   }
 
  private:
@@ -68,22 +68,23 @@ class SceneBatch {
     return counts_ ? std::optional<ObjectPairFilter>(*counts_) : std::nullopt;
   }
 
-  /// Writes the records of query(scene, poses, results) for configurations begin to end.
+  /// Writes the records of query(scene, poses, results, budget) for configurations begin to end.
   template <typename Result, typename Query>
-  void write(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
+  void write(nb::handle records, std::size_t begin, std::size_t end, const BudgetObject* budget, const Query& query) {
     if (end > size() || begin > end) throw nb::index_error("there are fewer configurations");
     using Record = decltype(record_of(Result{}));
     auto* const out = static_cast<Record*>(memory_of(records, (end - begin) * sizeof(Record)));
     std::vector<Result> results(end - begin);
     const auto poses = std::span<const Transform>(poses_).subspan(begin * ids_.size(), results.size() * ids_.size());
     scene_.read([&](const Scene& scene) {
-      without_gil([&] {
+      interruptible(budget, [&](const QueryBudget& limits) {
         if (threads_) {
-          oneapi::tbb::task_arena(*threads_).execute([&] { query(scene, poses, results); });
+          oneapi::tbb::task_arena(*threads_).execute([&] { query(scene, poses, results, limits); });
         } else {
-          query(scene, poses, results);
+          query(scene, poses, results, limits);
         }
         std::transform(results.begin(), results.end(), out, [](const Result& result) { return record_of(result); });
+        return true;
       });
     });
   }

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "budget.h"
 #include "closed_surface.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 #include "value_class.h"
@@ -29,10 +31,10 @@ class SurfacePair {
         a_(a.surface(), pose_from(pose_a, "pose_a")),
         b_(b.surface(), pose_from(pose_b, "pose_b")) {}
 
-  /// Calls query(a, b, rest...), both placed, without the GIL.
-  template <typename Query, typename... Rest>
-  auto ask(const Query& query, const Rest&... rest) const {
-    return without_gil([&] { return query(a_, b_, rest...); });
+  /// Calls query(a, b, budget), both placed, without the GIL.
+  template <typename Query>
+  auto ask(const BudgetObject* given, const Query& query) const {
+    return interruptible(given, [&](const QueryBudget& budget) { return query(a_, b_, budget); });
   }
 
  private:
@@ -41,13 +43,17 @@ class SurfacePair {
 };
 
 SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
-                                const PoseLike& pose_b) {
-  return SurfacePair(a, b, pose_a, pose_b).ask(solid_relation, SolidRelationOptions{});
+                                const PoseLike& pose_b, const BudgetObject* budget) {
+  return SurfacePair(a, b, pose_a, pose_b)
+      .ask(budget, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return solid_relation(placed_a, placed_b, {limits});
+      });
 }
 
 using Surfaces = Named<"Iterable[ClosedSurface | None]">;
 
-RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const PosesLike& poses) {
+RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const PosesLike& poses,
+                         const BudgetObject* budget) {
   std::vector<nb::object> owners;  // the caller's list may change meanwhile
   for (const nb::handle surface : nb::iter(surfaces)) owners.push_back(nb::borrow(surface));
   const PoseList standing(poses, "poses");
@@ -64,29 +70,39 @@ RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const
   }
   std::vector<ObjectPair> asked;
   for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
-  std::vector<SolidRelationResult> results(asked.size());
-  without_gil([&] { solid_relation_many(placed, asked, results); });
-  return recorded(results, dtypes().solid_relation);
+  const auto names_surface = [&](std::uint32_t id) { return id < placed.size() && placed[id].has_value(); };
+  const bool is_refused = !std::all_of(asked.begin(), asked.end(), [&](const ObjectPair& pair) {
+    return names_surface(pair.a) && names_surface(pair.b);
+  });
+  const auto ask = [&](auto part, auto results, const QueryBudget& limits) {
+    solid_relation_many(placed, part, results, {limits});
+  };
+  return recorded_in_parts<SolidRelationResult>(asked, is_refused, budget, dtypes().solid_relation, ask);
 }
 
 DeepestVertices deepest_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                            const PoseLike& pose_b, const BudgetObject* budget) {
-  return SurfacePair(a, b, pose_a, pose_b).ask(deepest_vertices, DeepestVerticesOptions{budget_of(budget)});
+  return SurfacePair(a, b, pose_a, pose_b)
+      .ask(budget, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return deepest_vertices(placed_a, placed_b, {limits});
+      });
 }
 
 SeparatingTranslation separating_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const ArrayLike& direction,
                                     const PoseLike& pose_a, const PoseLike& pose_b, const BudgetObject* budget) {
   const Vec3 along = point_from(direction, "direction");
   return SurfacePair(a, b, pose_a, pose_b)
-      .ask(separating_translation, along, SeparatingTranslationOptions{budget_of(budget)});
+      .ask(budget, [&](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return separating_translation(placed_a, placed_b, along, {limits});
+      });
 }
 
 SolidDistance signed_distance_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,
                                  const PoseLike& pose_b, double relative_error, const BudgetObject* budget) {
-  const SolidDistanceOptions options{relative_error, budget_of(budget)};
-  return SurfacePair(a, b, pose_a, pose_b).ask([&](const PlacedSurface& placed_a, const PlacedSurface& placed_b) {
-    return signed_distance(placed_a, placed_b, options);
-  });
+  return SurfacePair(a, b, pose_a, pose_b)
+      .ask(budget, [&](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
+        return signed_distance(placed_a, placed_b, {relative_error, limits});
+      });
 }
 
 void bind_relations(nb::module_& m) {
@@ -101,10 +117,12 @@ void bind_relations(nb::module_& m) {
   ValueClass<SolidRelationResult>(m, "SolidRelationResult", "What solid_relation() has found.")
       .field("relation", &SolidRelationResult::relation, docs::SolidRelation)
       .field("witness", &SolidRelationResult::witness, docs::SolidRelationResult_witness)
+      .field("stopped_by", &SolidRelationResult::stopped_by, docs::SolidRelationResult_stopped_by)
       .field("stats", &SolidRelationResult::stats, docs::QueryStats);
-  m.def("solid_relation", &relation_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
-        docs::solid_relation);
-  m.def("solid_relation_many", &relations_of, "surfaces"_a, "pairs"_a, "poses"_a = nb::none(),
+  m.def("solid_relation", &relation_of, "a"_a, "b"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(), nb::kw_only(),
+        "budget"_a = nb::none(), docs::solid_relation);
+  m.def("solid_relation_many", &relations_of, "surfaces"_a, "pairs"_a, "poses"_a = nb::none(), nb::kw_only(),
+        "budget"_a = nb::none(),
         (std::string(R"(solid_relation() of many pairs, on all threads.
 
 Pairs    name surfaces by their place in the list, (n, 2). If surfaces[id] is that of object `id` of a Scene, and

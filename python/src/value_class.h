@@ -108,7 +108,7 @@ class ValueClass {
     fields_->all.push_back({name, read, [member](Value& value, nb::handle from) { assign(value.*member, from); }});
     if constexpr (std::is_same_v<Field, Vec3>) {
       class_.def_prop_ro(
-          name, [member](const Value& value) { return array_of(value.*member); }, documentation);
+          name, [member](const Value& value) { return read_only(array_of(value.*member)); }, documentation);
     } else if constexpr (std::is_same_v<Field, ObjectPair>) {
       using Pair = Named<"tuple[int, int] | None">;
       class_.def_prop_ro(

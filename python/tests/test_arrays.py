@@ -14,14 +14,14 @@ import pytest
 from shapes import TETRA_FACES, TETRA_VERTICES
 
 
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("dtype", ["float32", "float64", "float16", ">f8", ">f4", "int8", "uint8", "int64", ">i2"])
 @pytest.mark.parametrize("order", ["C", "F"])
-def test_vertices_of_both_precisions_and_orders_are_read(dtype: str, order: Any) -> None:
+def test_vertices_of_all_numbers_and_orders_are_read(dtype: str, order: Any) -> None:
     vertices = numpy.array(TETRA_VERTICES, dtype, order=order)
     assert (limber3d.Model(vertices, TETRA_FACES).vertices == TETRA_VERTICES).all()
 
 
-@pytest.mark.parametrize("dtype", ["int32", "int64", "uint32", "uint64"])
+@pytest.mark.parametrize("dtype", ["int32", "int64", "uint32", "uint64", "uint8", "int8", "uint16", ">u4", ">i8"])
 @pytest.mark.parametrize("order", ["C", "F"])
 def test_faces_of_all_integers_are_read(dtype: str, order: Any) -> None:
     model = limber3d.Model(TETRA_VERTICES, numpy.array(TETRA_FACES, dtype, order=order))
@@ -93,9 +93,6 @@ BAD_VERTICES: dict[str, Any] = {
     "shape (12,) and dtype float64": TETRA_VERTICES.ravel(),
     "shape (1, 4, 3) and dtype float64": TETRA_VERTICES[None],
     "shape () and dtype float64": numpy.array(1.0),
-    "shape (4, 3) and dtype int64": TETRA_VERTICES.astype("int64"),
-    "shape (4, 3) and dtype float16": TETRA_VERTICES.astype("float16"),
-    "shape (4, 3) and dtype >f8": TETRA_VERTICES.astype(">f8"),
     "shape (4, 3) and dtype complex128": TETRA_VERTICES.astype("complex128"),
     "shape (4, 3) and dtype datetime64[s]": TETRA_VERTICES.astype("datetime64[s]"),
     "shape (4, 3) and dtype bool": TETRA_VERTICES.astype(bool),
@@ -113,7 +110,7 @@ BAD_VERTICES: dict[str, Any] = {
 def test_other_vertices_are_refused_by_name_shape_and_dtype(found: str) -> None:
     with pytest.raises(ValueError) as refused:
         limber3d.Model(BAD_VERTICES[found], TETRA_FACES)
-    assert str(refused.value) == f"vertices: expected shape (n, 3) and dtype float32 or float64; got {found}"
+    assert str(refused.value) == f"vertices: expected shape (n, 3) of floats or integers; got {found}"
 
 
 def test_other_faces_and_ids_are_refused_by_name_shape_and_dtype() -> None:

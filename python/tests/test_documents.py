@@ -43,6 +43,26 @@ def test_the_first_program_of_a_page_runs(
     assert capsys.readouterr().out.startswith(output)
 
 
+def test_edges_that_a_planner_takes_for_free_are_free() -> None:
+    """The recipe of the guide, with an arm of two links in a plane, which dense samples must not contradict."""
+    page = (ROOT / "docs/guide/motion.md").read_text(encoding="utf-8")
+    names: dict[str, Any] = {"numpy": numpy}
+    exec(re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[0], names)
+    link, wall = limber3d.Shape.capsule([0, 0, 0], [1, 0, 0], 0.05), limber3d.Shape.box([0.1, 0.3, 1])
+
+    def clearance(q: Any) -> Any:
+        turns = [([numpy.cos(a / 2), 0, 0, numpy.sin(a / 2)], [*at, 0]) for a, at in ((q[0], (0, 0)), (q[0] + q[1], (numpy.cos(q[0]), numpy.sin(q[0]))))]
+        return numpy.array([limber3d.distance(link, wall, turn, ([1, 0, 0, 0], [1.5, 0, 0])).lower for turn in turns])
+
+    reach, counts = numpy.array([[1.05, 0], [2.05, 1.05]]), {True: 0, False: 0}
+    for start, end in numpy.random.default_rng(5).uniform(-2, 2, (60, 2, 2)):
+        is_free = names["certainly_apart"](start, end, clearance, reach, 0.01, 1e-3)
+        least = min(clearance(start + t * (end - start)).min() for t in numpy.linspace(0, 1, 60))
+        assert least > 0.01 or not is_free
+        counts[is_free] += 1
+    assert min(counts.values()) > 5, counts
+
+
 # What each package's snippets import. trimesh needs the others for collisions and points.
 MODULES = {
     "python-fcl": ["fcl"],

@@ -127,7 +127,7 @@ def test_a_model_folds_onto_itself() -> None:
     vertices = numpy.array([[0, 0, 0], [0, 1, 0], [1, 0.25, 0], [-1, 0.25, 0]])
     book = limber3d.Model(vertices, numpy.array([[0, 1, 2], [1, 0, 3]]))
     moving = limber3d.MovingModel(book)
-    end = book.vertices
+    end = book.vertices.copy()
     end[3] = [0.5, 0.25, 0]
     moving.set_motion(end)
     found = limber3d.self_time_of_impact(moving)

@@ -92,7 +92,8 @@ def test_values_cannot_be_changed(value: Any) -> None:
         with pytest.raises(AttributeError):
             setattr(value, name, field)
         if isinstance(field, numpy.ndarray):
-            field += 1
+            with pytest.raises(ValueError, match="read-only"):
+                field += 1
         assert repr(value) == before
     with pytest.raises(AttributeError):
         value.something = 1
@@ -121,3 +122,51 @@ def test_damaged_pickles_are_refused(state: Any) -> None:
 def test_pairs_without_a_witness_have_no_objects() -> None:
     pair, none = (value for value in VALUES if isinstance(value, limber3d.ClosestObjectsResult))
     assert pair.objects == (0, 1) and none.objects is None and pickle.loads(pickle.dumps(none)).objects is None
+
+
+def keepers() -> tuple[Any, ...]:
+    """A body of each kind, a closed surface, a moving model, motions, and a scene of the bodies with unused ids."""
+    tetra = limber3d.Model(TETRA_VERTICES, TETRA_FACES)
+    surface = limber3d.ClosedSurface(tetra)
+    shape, points = limber3d.Shape, numpy.random.default_rng(1).normal(size=(30, 3))
+    bodies = [
+        *(tetra, limber3d.Body(tetra, 0.1), surface.solid(), shape.sphere(0.3), shape.box([1, 2, 3], 0.1)),
+        *(shape.capsule([0, 0, 0], [1, 2, 3], 0.2), shape.cylinder([0, 0, 0], [1, 1, 1], 0.3, 0.01)),
+        *(shape.half_space([1, 2, 3], 0.2, 50.0), shape.convex_hull(points, 0.1), shape.point_cloud(points, 0.05)),
+        shape.height_field(points[:, :2], 0.1, 0.2, 0.01),
+    ]
+    moving, still = limber3d.MovingModel(tetra), limber3d.MovingModel(tetra)
+    moving.set_motion(TETRA_VERTICES - [0, 0, 3], ([1, 0, 0, 0], [0, 0, 2]), ([1, 0, 0.1, 0], [0.1, 0, 2]))
+    still.set_motion(TETRA_VERTICES)
+    turn = ([1, 0.2, 0.3, 0.1], [0.4, -1, 0.2])
+    motions = [limber3d.RigidMotion(FAR, turn, [0.1, 0.2, 0.3]), limber3d.RigidMotion.screw(FAR, turn)]
+    scene = limber3d.Scene()
+    ids = [scene.add(body, ([1, 0.1 * i, 0, 0], [3 * i, 0, 0])) for i, body in enumerate([tetra, *bodies, tetra])]
+    scene.remove(ids[2])
+    scene.remove(ids[0])
+    scene.commit()
+    return tetra, surface, bodies, moving, still, motions, scene
+
+
+def answers(kept: tuple[Any, ...]) -> str:
+    tetra, surface, bodies, moving, still, motions, scene = kept
+    assert surface.model is tetra and scene.model(len(bodies) + 1) is tetra
+    return repr(
+        [
+            *(limber3d.distance(body, tetra, pose_b=pose) for body in bodies for pose in (None, FAR)),
+            *(surface.signed_distance([0.1, 0.2, 0.1]), limber3d.time_of_impact(moving, still)),
+            *(motion.at(t).tolist() for motion in motions for t in (0, 0.3, 1)),
+            *(scene.closest_objects(), scene.candidate_pairs(1.0).tolist(), scene.id_bound, 0 in scene, 2 in scene),
+            *(scene.distance(scene.candidate_pairs(5.0)).tolist(), scene.is_committed),
+        ]
+    )
+
+
+def test_bodies_scenes_and_motions_are_copied_and_pickled_with_their_answers() -> None:
+    kept = keepers()
+    expected = answers(kept)
+    pickles = [pickle.loads(pickle.dumps(kept, protocol)) for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)]
+    for twin in (*pickles, copy.deepcopy(kept), (*kept[:-1], copy.copy(kept[-1]))):
+        assert answers(twin) == expected
+    with pytest.raises(ValueError, match="has no motion"):
+        limber3d.time_of_impact(pickle.loads(pickle.dumps(limber3d.MovingModel(kept[0]))), kept[4])

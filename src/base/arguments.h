@@ -28,7 +28,7 @@ inline void check_options(const DistanceOptions& options, const char* function) 
   check_limit(options.max_distance, function);
 }
 
-/// Whether a budget can end a query.
+/// Whether a budget can end a query whose answer counts.
 inline bool is_limited(const QueryBudget& budget) {
   return budget.deadline || budget.cancel != nullptr || budget.max_steps < std::numeric_limits<std::uint64_t>::max();
 }

@@ -34,7 +34,8 @@ PairCount count_in_parts(const MovingPair& models, const ImpactOptions& options,
   base::parallel_for(parts.size(), 1, [&](std::size_t i) {
     Collector collector(options, found[i]);
     ImpactSearch<Collector> search(models, options.min_separation, collector);
-    search.run(parts[i]);
+    pair::BudgetMeter meter(options.budget);
+    search.run(parts[i], meter);
     stats_of[i] = search.stats;
   });
   result.stats = top.stats;
@@ -48,7 +49,8 @@ FoundImpact find_in_part(const MovingPair& models, const ImpactOptions& options,
                          const FirstImpact& before) {
   FoundImpact found{before, 0};
   ImpactSearch<FirstImpact> search(models, options.min_separation, found.collector);
-  search.run(part);
+  pair::BudgetMeter meter(options.budget);
+  search.run(part, meter);
   found.first_open_time = search.first_open_time(), found.stats = search.stats;
   return found;
 }

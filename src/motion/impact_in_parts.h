@@ -16,7 +16,7 @@ struct FoundImpact {
   QueryStats stats{};
 };
 
-// Queries on the threads of the calling arena, without a budget. In a source of their own, so that the compiler inlines
+// Queries on the threads of the calling arena, without limits. In a source of their own, so that the compiler inlines
 // the loop of one thread as if there were no other.
 
 /// The first impact, with the bits that one thread gives. `stats` count the split and the parts whose answers count, so

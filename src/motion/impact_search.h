@@ -60,11 +60,10 @@ class ImpactSearch {
   }
 
   /// Offers the collector the pairs of a part.
-  void run(const ImpactSearchPart& part) {
+  void run(const ImpactSearchPart& part, pair::BudgetMeter& meter) {
     LIMBER_ASSERT(size_ == 0);
     first_below_ = part.first_open_time;
     push(part.pair);
-    pair::BudgetMeter meter;  // without limits
     visit_all(meter);
   }
 

@@ -49,9 +49,9 @@ CollideResult collide_at_start(const MovingPair& models, const ImpactOptions& op
     CollideResult none;
     none.answer = Answer::no;
     const Placed placed_a{*a.model, a.start_pose}, placed_b{*b.model, b.start_pose};
-    if (!pair::intersect_in_parts(placed_a, placed_b, models.is_self(), none.stats)) return none;
+    if (!pair::intersect_in_parts(placed_a, placed_b, models.is_self(), options.budget, none.stats)) return none;
   }  // else one thread says which pair is the witness
-  if (models.is_self()) return self_collide(*a.model);
+  if (models.is_self()) return self_collide(*a.model, {.budget = options.budget});
   return collide({*a.model, a.start_pose}, {*b.model, b.start_pose}, {nullptr, options.budget});
 }
 

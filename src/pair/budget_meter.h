@@ -22,11 +22,12 @@ class BudgetMeter {
   BudgetMeter() = default;
   explicit BudgetMeter(const QueryBudget& budget) : budget_(budget), is_limited_(base::is_limited(budget)) {}
 
+  /// Whether the query has limits that its answer keeps to; `abandon` is none.
   bool is_limited() const { return is_limited_; }
 
   /// To be asked before every step. `steps` is how many have been made.
   bool is_spent(std::uint64_t steps) {
-    if (!is_limited_) return false;
+    if (!is_limited_) return is_abandoned();
     if (steps >= budget_.max_steps) {
       stopped_by_ = StoppedBy::max_steps;
     } else {
@@ -36,7 +37,8 @@ class BudgetMeter {
   }
   /// Whether a long step should not be finished; `steps` as before, this one included. The first step always is.
   bool cuts_short(std::uint64_t steps) {
-    if (!is_limited_ || steps <= 1) return false;
+    if (!is_limited_) return is_abandoned();
+    if (steps <= 1) return false;
     look(true);
     return stopped_by_ != StoppedBy::nothing;
   }
@@ -45,9 +47,17 @@ class BudgetMeter {
   StoppedBy stopped_by() const { return stopped_by_; }
 
  private:
+  bool is_abandoned() {
+    if (budget_.abandon == nullptr || !budget_.abandon->load(std::memory_order_relaxed)) return false;
+    stopped_by_ = StoppedBy::cancel;
+    return true;
+  }
+
   void look(bool minds_deadline) {
     if (budget_.cancel != nullptr && budget_.cancel->load(std::memory_order_relaxed)) {
       stopped_by_ = StoppedBy::cancel;
+    } else if (is_abandoned()) {
+      return;
     } else if (budget_.deadline && ++calls_ % calls_per_look == 0 && minds_deadline &&
                std::chrono::steady_clock::now() >= *budget_.deadline) {
       stopped_by_ = StoppedBy::deadline;

@@ -42,7 +42,7 @@ PairCount count_all(const pair::PlacedPair& placed, Collector& collector, const 
 template <typename Pairs>
 PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit,
                               const PairOptions& options) {
-  if (pair::runs_in_parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit);
+  if (pair::runs_in_parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit, options.budget);
   pair::AllIntersections<Pairs> collector(pairs, visit);
   return count_all(placed, collector, options.budget);
 }
@@ -50,7 +50,8 @@ PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs
 template <typename Pairs>
 PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit,
                          const PairOptions& options) {
-  if (pair::runs_in_parallel(options)) return pair::visit_contacts_in_parts(placed, pairs, margin, visit);
+  if (pair::runs_in_parallel(options))
+    return pair::visit_contacts_in_parts(placed, pairs, margin, visit, options.budget);
   pair::PairsWithin<Pairs> collector(pairs, margin, visit);
   return count_all(placed, collector, options.budget);
 }
@@ -131,10 +132,12 @@ CollideResult self_collide(const Model& model, const SelfQueryOptions& options) 
     collector.compare(pair::placed_triangle(placed, pair::Side::a, last->triangle_a),
                       pair::placed_triangle(placed, pair::Side::b, last->triangle_b));
   }
-  pair::BudgetMeter meter;  // without limits
+  pair::BudgetMeter meter(options.budget);
   if (!collector.is_done()) pair::search_all(placed, collector, meter, result.stats);
   if (collector.witness) pair::remember(options.cache, *collector.witness);
-  result.answer = collector.witness ? Answer::yes : Answer::no;
+  if (!collector.witness) result.stopped_by = meter.stopped_by();
+  const bool is_undecided = result.stopped_by != StoppedBy::nothing;
+  result.answer = collector.witness ? Answer::yes : is_undecided ? Answer::undecided : Answer::no;
   result.witness = collector.witness;
   return result;
 }
@@ -147,7 +150,7 @@ DistanceResult self_distance(const Model& model, const SelfDistanceOptions& opti
   pair::ClosestSelfPair collector(PairsOfOne(model.mesh(), {.filter = options.filter}), errors);
   DistanceResult result;
   const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &Access::impl(*options.cache);
-  pair::BudgetMeter meter;  // without limits
+  pair::BudgetMeter meter(options.budget);
   const pair::Unsearched unsearched = pair::search_self(placed, last, collector, meter, result.stats);
   pair::set_answer(result, collector.closest, unsearched, errors);
   if (result.witness) pair::remember(options.cache, *result.witness);

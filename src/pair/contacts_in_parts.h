@@ -13,7 +13,7 @@
 
 namespace limber::pair {
 
-/// Whether a query with these options is searched in parts. One with a budget stays on one thread.
+/// Whether a query with these options is searched in parts. One with limits stays on one thread.
 template <typename Options>
 bool runs_in_parallel(const Options& options) {
   return options.parallel && base::has_several_threads() && !base::is_limited(options.budget);
@@ -35,15 +35,17 @@ void visit_found(const std::vector<base::ListFiller<Pair>>& parts, FunctionRef<b
 // visit_intersections() and visit_contacts() on the threads of the calling arena. The visitor is called afterwards, by
 // the calling thread, with the pairs that one thread would find, in its order. In a source of their own, so that the
 // compiler inlines the loop of one thread as if there were no other.
-PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs, TrianglePairVisitor visit);
-PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, TrianglePairVisitor visit);
+PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs, TrianglePairVisitor visit,
+                                       const QueryBudget& budget);
+PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, TrianglePairVisitor visit,
+                                       const QueryBudget& budget);
 PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs, double margin,
-                                  ContactVisitor visit);
+                                  ContactVisitor visit, const QueryBudget& budget);
 PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, double margin,
-                                  ContactVisitor visit);
+                                  ContactVisitor visit, const QueryBudget& budget);
 
 /// Whether any triangles of two models, or of one with itself, intersect, on the threads of the calling arena. Pre: no
 /// body has a radius or is solid. `stats` mean something if none do: otherwise threads have ended sooner or later.
-bool intersect_in_parts(const Placed& a, const Placed& b, bool is_self, QueryStats& stats);
+bool intersect_in_parts(const Placed& a, const Placed& b, bool is_self, const QueryBudget& budget, QueryStats& stats);
 
 }  // namespace limber::pair

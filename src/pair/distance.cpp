@@ -123,6 +123,10 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   pair::ClosestPair collector({options.relative_error, options.absolute_error, limit}, radii.radius(), radii.radius());
   const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, result.stats,
                                                    pair::Ties::skipped, tied_with_contacts(placed, radii));
+  if (!collector.witness && unsearched.stopped_by != StoppedBy::nothing) {  // abandoned before anything was compared
+    collector.compare(pair::placed_triangle(placed, pair::Side::a, placed.first_triangle(pair::Side::a)),
+                      pair::placed_triangle(placed, pair::Side::b, placed.first_triangle(pair::Side::b)));
+  }
   pair::set_answer(result, collector, unsearched, options, radii);
   if (result.witness) pair::remember(options.cache, *result.witness);
   look_inside(result, a, b, placed, unsearched, meter);

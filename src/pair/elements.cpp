@@ -50,12 +50,12 @@ struct ElementSearch {
 
 template <bool is_self>
 ElementPairCount count_elements_in_parts(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
-                                         EdgeEdgeVisitor visit_edge_edge) {
+                                         EdgeEdgeVisitor visit_edge_edge, const QueryBudget& budget) {
   using Collector = pair::ElementsWithin<is_self>;
   ElementPairCount result;
   const std::vector<ElementLists> parts = pair::search_all_in_parts<Collector, ElementLists>(
       search.placed, [&](ElementLists& lists) { return search.collector(lists.vertex_face, lists.edge_edge); },
-      [](Collector& collector) { collector.compare_collected(); }, result.stats);
+      [](Collector& collector) { collector.compare_collected(); }, budget, result.stats);
   result.is_complete = visit_parts(parts, &ElementLists::vertex_face, visit_vertex_face, result.vertex_face) &&
                        visit_parts(parts, &ElementLists::edge_edge, visit_edge_edge, result.edge_edge);
   return result;
@@ -65,7 +65,7 @@ template <bool is_self>
 ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
                                 EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
   if (pair::runs_in_parallel(options)) {
-    return count_elements_in_parts(search, visit_vertex_face, visit_edge_edge);
+    return count_elements_in_parts(search, visit_vertex_face, visit_edge_edge, options.budget);
   }
   const pair::PlacedPair& placed = search.placed;
   pair::ElementsWithin<is_self> collector = search.collector(visit_vertex_face, visit_edge_edge);

@@ -13,7 +13,8 @@ namespace limber::pair {
 class Meter {
  public:
   explicit Meter(const QueryBudget& budget = {})
-      : limits_of_time_{.deadline = budget.deadline, .cancel = budget.cancel}, budget_(budget) {}
+      : limits_of_time_{.deadline = budget.deadline, .cancel = budget.cancel, .abandon = budget.abandon},
+        budget_(budget) {}
 
   /// To be asked before every step, which it counts. Once it is spent, it stays so.
   bool is_spent() {

@@ -236,16 +236,16 @@ StoppedBy search_all(const PlacedPair& placed, Collector& collector, BudgetMeter
   return meter.stopped_by();
 }
 
-/// As search_all() without a budget, on the threads of the calling arena: parts of the work have a collector of their
+/// As search_all() without limits, on the threads of the calling arena: parts of the work have a collector of their
 /// own each, make_collector(found), for which finish(collector) is called in the end. Returns what they have found.
 ///
 /// Promise  The parts do not depend on the number of threads. One after the other they offer the pairs of search_all()
 ///          in its order.
 template <typename Collector, typename Found, typename Make, typename Finish>
 std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& make_collector, const Finish& finish,
-                                       QueryStats& stats) {
+                                       const QueryBudget& budget, QueryStats& stats) {
   constexpr std::size_t part_count = 256;  // many more than threads, as parts differ in size
-  BudgetMeter meter;                       // without limits
+  BudgetMeter meter(budget);
   Found none;
   Collector lister = make_collector(none);
   Pruning pruning(placed, lister.initial_cutoff());
@@ -261,7 +261,7 @@ std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& mak
   std::vector<Found> found(parts.size());
   std::vector<QueryStats> stats_of(parts.size());
   base::parallel_for(parts.size(), 1, [&](std::size_t i) {
-    BudgetMeter own_meter;
+    BudgetMeter own_meter(budget);
     Pruning own_pruning(pruning);
     Frames own_frames(frames);
     Collector collector = make_collector(found[i]);

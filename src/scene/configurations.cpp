@@ -61,7 +61,9 @@ std::optional<ObjectPairMatrix> answers_of(const std::optional<ObjectPairFilter>
 
 /// Which limit has ended a call, if one has.
 StoppedBy ended_by(const QueryBudget& budget) {
-  if (budget.cancel != nullptr && budget.cancel->load(std::memory_order_relaxed)) return StoppedBy::cancel;
+  for (const std::atomic<bool>* const flag : {budget.cancel, budget.abandon}) {
+    if (flag != nullptr && flag->load(std::memory_order_relaxed)) return StoppedBy::cancel;
+  }
   const bool is_late = budget.deadline && std::chrono::steady_clock::now() >= *budget.deadline;
   return is_late ? StoppedBy::deadline : StoppedBy::nothing;
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <new>
 #include <string>
 
 #include "base/check.h"
@@ -17,6 +18,19 @@ std::size_t pairs_of(std::size_t size) { return size < 2 ? 0 : size * (size - 1)
 /// The place of a pair among {1, 0}, {2, 0}, {2, 1}, ... Pre: a < b.
 std::size_t place_of(ObjectId a, ObjectId b) { return std::size_t{b} * (std::size_t{b} - 1) / 2 + a; }
 
+/// There is no memory for a matrix of so many ids.
+class TooManyIds : public std::bad_alloc {
+ public:
+  TooManyIds(std::size_t size, std::size_t words)
+      : text_("limber::ObjectPairMatrix: size: there is no memory for the " + std::to_string(words * 8) +
+              " bytes of a matrix of " + std::to_string(size) +
+              " ids; let a function be the filter of so many objects") {}
+  const char* what() const noexcept override { return text_.c_str(); }
+
+ private:
+  std::string text_;
+};
+
 }  // namespace
 
 ObjectPairMatrix::ObjectPairMatrix(std::size_t size, bool counts) : size_(0) { resize(size, counts); }
@@ -25,7 +39,13 @@ void ObjectPairMatrix::resize(std::size_t size, bool counts) {
   LIMBER_REQUIRE(size <= no_id, "limber::ObjectPairMatrix: size: there are no more ids than 2^32 - 1");
   const std::size_t before = bits_.empty() ? 0 : pairs_of(size_);  // none if it was moved from
   const std::uint64_t all = counts ? ~std::uint64_t{0} : 0;
-  bits_.resize((pairs_of(size) + bits_of_word - 1) / bits_of_word, all);
+  const std::size_t words = (pairs_of(size) + bits_of_word - 1) / bits_of_word;
+  try {
+    if (words > bits_.max_size()) throw std::bad_alloc();
+    bits_.resize(words, all);
+  } catch (const std::bad_alloc&) {
+    throw TooManyIds(size, words);
+  }
   // The word in which old pairs end and new ones begin.
   if (before < pairs_of(size) && before % bits_of_word != 0) {
     const std::uint64_t old = (std::uint64_t{1} << (before % bits_of_word)) - 1;
