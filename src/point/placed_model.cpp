@@ -30,8 +30,7 @@ const Model::Impl& checked(const Placed& placed) {
   LIMBER_REQUIRE(placed.model().is_committed(),
                  "limber: a query needs a committed model; this one has moves without a commit(), "
                  "or has been moved from");
-  LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
-                 "limber: a query needs a rigid pose; that of the model is not (see is_rigid())");
+  geometry::require_rigid(placed.pose, "limber: the pose of the model");
   return Access::impl(placed.model());
 }
 
