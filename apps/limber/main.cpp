@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "command/output.h"
+#include "command/run_files.h"
 #include "command/terminal.h"
 #include "command/text.h"
 #include "command/verb.h"
@@ -277,6 +278,7 @@ ExitCode fail(ExitCode exit_code, const std::string& place, const std::string& t
 ExitCode run(const std::string& place, const std::function<ExitCode()>& body) {
   try {
     const ExitCode exit_code = body();
+    place_outputs();
     flush();
     return exit_code;
   } catch (const BadInput& error) {

@@ -84,10 +84,10 @@ TEST_F(ProgramOutputFiles, OfOneRunAreDifferent) {
   fs::create_symlink("new.csv", link);
   for (const std::string& out : {before, fresh}) {
     const std::string same = folder_.path("./" + fs::path(out).filename().string());
-    expect_refused(both(out, same), "--out: " + out + " is where another output goes");
+    expect_refused(both(out, same), "--report: " + same + " is where another output goes");
   }
-  expect_refused(both(fresh, link), "--out: " + fresh + " is where another output goes");
-  expect_refused(both(link, fresh), "--out: " + link + " is where another output goes");
+  expect_refused(both(fresh, link), "--report: " + link + " is where another output goes");
+  expect_refused(both(link, fresh), "--report: " + fresh + " is where another output goes");
   EXPECT_EQ(text_of(before), "from before");
   EXPECT_FALSE(fs::exists(fresh));
   EXPECT_EQ(run(both("/dev/null", "/dev/null")).exit_code, 0);

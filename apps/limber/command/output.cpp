@@ -8,47 +8,12 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 
 #include "command/terminal.h"
 #include "command/text.h"
 
 namespace limber::program {
 namespace {
-
-[[noreturn]] void fail(int reason) {
-  throw OutputFailed(reason == EPIPE ? "" : fmt::format("cannot write the answer: {}", std::strerror(reason)));
-}
-
-void write_to(std::FILE* stream, std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stream) != text.size()) fail(errno);
-}
-
-void flush_to(std::FILE* stream) {
-  if (std::fflush(stream) != 0) fail(errno);
-}
-
-namespace fs = std::filesystem;
-
-/// The file that writing to `path` makes.
-fs::path target_of(fs::path path) {
-  constexpr int most_links = 40;  // as Linux has it
-  std::error_code failed;
-  for (int i = 0; i < most_links && fs::is_symlink(path, failed); ++i) {
-    path = path.parent_path() / fs::read_symlink(path, failed);
-  }
-  return fs::weakly_canonical(fs::absolute(path, failed), failed);
-}
-
-/// Whether writing to `path` changes the file `other`. Devices may be named as often as one likes.
-bool overwrites(const std::string& path, const std::string& other) {
-  std::error_code failed;
-  const bool is_there = fs::exists(path, failed);
-  if (is_there != fs::exists(other, failed)) return false;
-  if (is_there) return fs::is_regular_file(path, failed) && fs::equivalent(path, other, failed);
-  return target_of(path) == target_of(other);
-}
 
 std::string quoted(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);  // file names need not be UTF-8
@@ -112,37 +77,16 @@ constexpr double bar_redraw_s = 0.1;
 
 }  // namespace
 
-void write(std::string_view text) { write_to(stdout, text); }
-
-void flush() { flush_to(stdout); }
-
-void check_output(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs) {
-  if (path.empty() || path == "-") return;
-  const auto is_overwritten = [&](const std::string& other) { return overwrites(path, other); };
-  if (std::any_of(inputs.begin(), inputs.end(), is_overwritten)) {
-    throw BadInput(fmt::format("{}: {} is one of the inputs", option, path));
-  }
-  if (std::any_of(other_outputs.begin(), other_outputs.end(), is_overwritten)) {
-    throw BadInput(fmt::format("{}: {} is where another output goes", option, path));
-  }
+void fail_to_write(const std::string& name, int reason) {
+  throw OutputFailed(reason == EPIPE ? "" : fmt::format("cannot write {}: {}", name, std::strerror(reason)));
 }
 
-OutputFile::OutputFile(const std::string& option, const std::string& path, const Names& inputs,
-                       const Names& other_outputs) {
-  check_output(option, path, inputs, other_outputs);
-  stream_ = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
-  if (stream_ == nullptr) throw BadInput(fmt::format("{}: cannot write {}: {}", option, path, std::strerror(errno)));
+void write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) fail_to_write("to standard output", errno);
 }
 
-OutputFile::~OutputFile() {
-  if (stream_ != stdout) std::fclose(stream_);  // everything has been handed over
-}
-
-bool OutputFile::is_terminal() const { return program::is_terminal(stream_); }
-
-void OutputFile::write(std::string_view text) {
-  write_to(stream_, text);
-  flush_to(stream_);
+void flush() {
+  if (std::fflush(stdout) != 0) fail_to_write("to standard output", errno);
 }
 
 void show(const std::string& text) {

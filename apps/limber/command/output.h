@@ -17,7 +17,7 @@
 
 #include "limber/distance.h"
 
-/// All output of the program goes through these functions.
+/// All output of the program goes through these functions, that to files through OutputFile of run_files.h.
 namespace limber::program {
 
 using Json = nlohmann::ordered_json;
@@ -28,6 +28,9 @@ class OutputFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// Throws OutputFailed about what has that name; `reason` is an errno.
+[[noreturn]] void fail_to_write(const std::string& name, int reason);
 
 /// Writes to standard output. Errors: OutputFailed.
 void write(std::string_view text);
@@ -40,35 +43,6 @@ void write_line(fmt::format_string<Args...> format, Args&&... args) {
 
 /// Hands over what has been written so far. Errors: OutputFailed.
 void flush();
-
-/// The name of standard output among the outputs of a run.
-inline constexpr const char* standard_output = "/dev/stdout";
-
-/// Refuses to write where it would destroy something: `path` must not be one of the files that the run reads or writes
-/// besides, under whatever name.
-///
-/// Errors   BadInput naming the option and the file.
-void check_output(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs);
-
-/// The file that an option names, or standard output where it names "-".
-class OutputFile {
- public:
-  /// Opens and empties the file, after check_output().
-  ///
-  /// Errors   BadInput as check_output(), and where the file cannot be written.
-  OutputFile(const std::string& option, const std::string& path, const Names& inputs, const Names& other_outputs);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
-
-  bool is_terminal() const;
-
-  /// Writes and hands over. Errors: OutputFailed.
-  void write(std::string_view text);
-
- private:
-  std::FILE* stream_ = nullptr;
-};
 
 /// Wall time since it was made.
 class Stopwatch {

@@ -11,7 +11,7 @@ namespace limber::program {
 bool is_terminal(std::FILE* stream);
 
 /// To be called before anything is written: every system then writes the same bytes, and a write fails, instead of a
-/// signal ending the program, when the reader is gone.
+/// signal ending the program, when the reader is gone or a file as large as it may be.
 void prepare_streams();
 
 }  // namespace limber::program

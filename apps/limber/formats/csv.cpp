@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "command/run_files.h"
 #include "command/text.h"
 
 namespace limber::program {
@@ -30,6 +31,7 @@ std::ifstream open_regular_file(const std::string& path) {
   const fs::file_status status = fs::status(path, failed);
   if (fs::is_directory(status)) throw BadInput(path + ": is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status)) throw BadInput(path + ": is not a regular file");
+  add_input(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw BadInput(fmt::format("{}: {}", path, std::strerror(errno)));
   const std::uintmax_t size = fs::file_size(path, failed);

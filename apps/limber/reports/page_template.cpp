@@ -3,7 +3,6 @@
 #include "reports/page_template.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -54,17 +53,6 @@ std::optional<Json> described(const std::string& path) {
   return Json{{"name", path}, {"bytes", byte_count}, {"sha256", digest.digest()}};
 }
 
-Json described_inputs(Names inputs) {
-  std::sort(inputs.begin(), inputs.end());
-  inputs.erase(std::unique(inputs.begin(), inputs.end()), inputs.end());
-  Json json = Json::array();
-  for (const std::string& input : inputs) {
-    if (input.empty() || is_scene(input)) continue;
-    if (auto file = described(input)) json.push_back(std::move(*file));
-  }
-  return json;
-}
-
 }  // namespace
 
 std::string filled_page(Json data, const std::string& command_line) {
@@ -96,15 +84,25 @@ CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std
   return report;
 }
 
-ReportFile::ReportFile(const ReportArguments& arguments, const Names& inputs)
-    : arguments_(arguments),
-      file_(option_name, checked(arguments.path), inputs, {standard_output}),
-      inputs_(described_inputs(inputs)) {}
+ReportFile::ReportFile(const ReportArguments& arguments)
+    : arguments_(arguments), file_(option_name, checked(arguments.path)) {
+  describe_inputs();
+}
+
+void ReportFile::describe_inputs() {
+  for (const auto& [path, name] : inputs()) {
+    if (!inputs_.contains(path)) inputs_.emplace(path, described(name));
+  }
+}
 
 void ReportFile::write(Json data) {
+  describe_inputs();
   data["title"] = arguments_.title;
   data["unit"] = arguments_.unit;
-  data["inputs"] = inputs_;
+  Json& files = data["inputs"] = Json::array();
+  for (const auto& input : inputs_) {
+    if (input.second) files.push_back(*input.second);
+  }
   file_.write(filled_page(std::move(data), arguments_.command_line));
 }
 

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "command/output.h"
+#include "command/run_files.h"
 
 namespace CLI {
 class App;
@@ -38,21 +42,21 @@ CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std
 /// once.
 class ReportFile {
  public:
-  /// `inputs` are models and files as the user has named them, and have just been read. The page names each file once,
-  /// with its size and SHA-256.
-  ///
-  /// Errors   BadInput where the path is "-" or one of the inputs, or cannot be written.
-  ReportFile(const ReportArguments& arguments, const Names& inputs);
+  /// Errors   BadInput as OutputFile, and where the path is "-".
+  explicit ReportFile(const ReportArguments& arguments);
 
-  /// Fills the page and writes it.
+  /// Fills the page and writes it. It names all inputs() of the run, with size and SHA-256: of those that were there
+  /// when this was made, as they were then.
   ///
   /// Errors   OutputFailed.
   void write(Json data);
 
  private:
+  void describe_inputs();
+
   ReportArguments arguments_;
   OutputFile file_;
-  Json inputs_;
+  std::map<std::filesystem::path, std::optional<Json>> inputs_;
 };
 
 /// A name of a model as a page shows it: without its folders.

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "command/options.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/base.h"
@@ -97,8 +98,7 @@ ExitCode run(const BenchArguments& arguments) {
   std::optional<RigidModel> b;
   if (!arguments.b.empty()) b.emplace(load_mesh_argument(arguments.b), Engine::fast);
   std::optional<OutputFile> out;
-  if (!arguments.out.empty())
-    out.emplace("--out", arguments.out, Names{arguments.a, arguments.b}, Names{standard_output});
+  if (!arguments.out.empty()) out.emplace("--out", arguments.out);
   const Json json =
       json_of(arguments, a, b ? &*b : nullptr, run_bench(a.fast(), (b ? *b : a).fast(), arguments.options));
   if (out) {

@@ -196,8 +196,8 @@ of objects with the names of the columns; point_a, point_b and normal are arrays
                      spaced(contact_columns(ContactDetail::all)), spaced(contact_columns(ContactDetail::ids)));
 }
 
-ContactOutput::ContactOutput(const ContactArguments& arguments, const Names& inputs) : arguments_(arguments) {
-  if (!arguments.out.empty()) out_.emplace("--out", arguments.out, inputs, Names{standard_output});
+ContactOutput::ContactOutput(const ContactArguments& arguments) : arguments_(arguments) {
+  if (!arguments.out.empty()) out_.emplace("--out", arguments.out);
 }
 
 std::size_t ContactOutput::table_rows() const { return arguments_.max_count.value_or(table_rows_unless_told); }
@@ -221,10 +221,10 @@ void ContactOutput::write_csv(const FoundContacts& found) {
   for (const FoundContact& contact : found.first) {
     text += csv_line(to_json(contact, found.detail));
     if (text.size() < csv_chunk_bytes) continue;
-    out_->write(text);
+    out_->write_rows(text);
     text.clear();
   }
-  out_->write(text);
+  out_->write_rows(text);
 }
 
 }  // namespace limber::program

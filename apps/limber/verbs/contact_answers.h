@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "command/output.h"
+#include "command/run_files.h"
 #include "limber/contacts.h"
 #include "verbs/contact_regions.h"
 
@@ -120,7 +121,7 @@ class ContactOutput {
   /// Opens the CSV file, if there is one.
   ///
   /// Errors   BadInput where it cannot be written, or is one of the `inputs`.
-  ContactOutput(const ContactArguments& arguments, const Names& inputs);
+  explicit ContactOutput(const ContactArguments& arguments);
 
   /// How many pairs are written at most.
   std::size_t room() const;

@@ -52,7 +52,7 @@ FoundContacts find(const ContactArguments& arguments, const Pair& pair, std::siz
 
 ExitCode run(const ContactsArguments& arguments) {
   const Pair pair(arguments.models);
-  ContactOutput output(arguments.contacts, {arguments.models.a, arguments.models.b});
+  ContactOutput output(arguments.contacts);
   const std::size_t all = std::numeric_limits<std::size_t>::max();
   FoundContacts found = find(arguments.contacts, pair, arguments.regions ? all : output.room());
   if (arguments.regions) {
@@ -130,7 +130,7 @@ SelfAnswer answer_to(const ContactArguments& arguments, const RigidModel& model,
 
 ExitCode run(const SelfArguments& arguments) {
   const RigidModel model(load_mesh_argument(arguments.model), Engine::fast);
-  ContactOutput output(arguments.contacts, {arguments.model});
+  ContactOutput output(arguments.contacts);
   const SelfAnswer answer = answer_to(arguments.contacts, model, output.room());
   const FoundContacts& found = answer.found;
   const bool is_yes = found.intersecting_count > 0;

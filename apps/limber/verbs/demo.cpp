@@ -11,6 +11,7 @@
 
 #include "command/options.h"
 #include "command/output.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "demo/demo_run.h"
@@ -81,7 +82,7 @@ void check(DemoRun& run, bool is_silent) {
 void run(const DemoArguments& arguments) {
   if (arguments.report == "-") throw BadInput("--report: must name a file");
   const std::string page = absolute_path(arguments.report);
-  OutputFile file("--report", page, {}, {standard_output});
+  OutputFile file("--report", page);
   ProgressBar bar(arguments.demo.frames, "frames");
   DemoRun run = run_demo(arguments.demo, [&bar](std::size_t done) { bar.draw(done); });
   bar.clear();

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "command/options.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -51,10 +52,9 @@ DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<
 
 ExitCode answer_pair(const DistanceArguments& arguments) {
   const Pair pair(arguments.pair);
-  const Names inputs = {arguments.pair.a, arguments.pair.b, arguments.pair.path_a, arguments.pair.path_b};
-  VertexDistances vertices(arguments.vertices, inputs, {arguments.report.path});
+  VertexDistances vertices(arguments.vertices);
   std::optional<ReportFile> report;
-  if (!arguments.report.path.empty()) report.emplace(arguments.report, inputs);
+  if (!arguments.report.path.empty()) report.emplace(arguments.report);
   const DistanceQuestion question = question_of(arguments);
   const DistanceAnswer answer = pair.path() ? answer_on_path(*pair.path(), pair, arguments.distance_error)
                                             : answer_to(question, pair.a(), pair.b());
@@ -215,7 +215,8 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
       .add_option("--out", arguments->out,
                   "with --pairs and --parts: where the answer is written, - for standard output")
       ->type_name("FILE")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->transform(short_name);
   add_report(command, arguments->report,
              "also write a page that shows the answer: both meshes, a section, their distance in colours; or all "
              "pairs, the worst first");

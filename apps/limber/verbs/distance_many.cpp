@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "command/run_files.h"
 #include "command/text.h"
 #include "formats/csv_inputs.h"
 #include "limber/scene.h"
@@ -31,16 +32,12 @@ class Models {
     std::unique_ptr<RigidModel>& model = models_[key_of(name)];
     if (model) return model.get();
     model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
-    files_.push_back(name);
     return model.get();
   }
 
   const RigidModel* keep(MeshFile mesh) {
     return parts_.emplace_back(std::make_unique<RigidModel>(std::move(mesh), engine_)).get();
   }
-
-  /// What has been loaded, each under the name that came first.
-  const Names& files() const { return files_; }
 
  private:
   static std::string key_of(const std::string& name) {
@@ -53,7 +50,6 @@ class Models {
   Engine engine_;
   std::map<std::string, std::unique_ptr<RigidModel>> models_;
   std::vector<std::unique_ptr<RigidModel>> parts_;  // of one file
-  Names files_;
 };
 
 /// What is asked about.
@@ -166,14 +162,11 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
   const AskedPairs asked =
       arguments.parts.empty() ? pairs_of_file(path, models) : pairs_of_parts(path, models, max_distance);
   AcceptedPairs accepted_pairs(arguments.accept);
-  Names inputs = models.files();
-  inputs.insert(inputs.end(), {path, arguments.accept});
-  check_output("--report", arguments.report.path, inputs, {arguments.out});
   std::optional<Study> study;
   if (!arguments.report.path.empty()) study.emplace(asked.kind, question, asked.parts);
-  OutputFile out("--out", arguments.out, inputs, {});
+  OutputFile out("--out", arguments.out);
   std::optional<ReportFile> report;
-  if (study) report.emplace(arguments.report, inputs);
+  if (study) report.emplace(arguments.report);
   ProgressBar bar(asked.pairs.size(), "pairs");
   ExitCode exit_code = ExitCode::answered;
   std::size_t nested_count = 0, row = 0;
@@ -192,7 +185,7 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
     if (study) study->add(row, asked.pairs[i], answer, accepted);
     if (out.is_terminal()) bar.clear();
     const Json json = answer_in_row(row++, asked, asked.pairs[i], answer, accepted);
-    out.write(arguments.json ? to_line(json) : csv_line(json));
+    out.write_rows(arguments.json ? to_line(json) : csv_line(json));
   }
   bar.clear();
   warn_about(nested_count);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "command/run_files.h"
 #include "command/text.h"
 
 namespace limber::program {
@@ -22,6 +23,7 @@ bool is_mesh_file(const std::string& path) {
 
 std::vector<FilePart> read_file_parts(const std::string& path) {
   const MeshFile whole = value_or_bad_input(read_mesh_file(path, {.parts = true}));
+  for (const std::filesystem::path& read : whole.files) add_input(read);
   const MeshView mesh = whole.mesh;
   std::vector<std::vector<TriangleId>> triangles_of(whole.parts.size());
   for (TriangleId t = 0; t < mesh.triangles.size(); ++t) triangles_of[whole.part_of_triangle[t]].push_back(t);

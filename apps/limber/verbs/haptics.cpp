@@ -63,15 +63,13 @@ void check(const Arguments& arguments) {
   }
   for (const auto& [option, path] : {std::pair("--out", arguments.out), std::pair("--report", arguments.report)}) {
     if (loop.is_empty && !path.empty()) throw BadInput(fmt::format("{}: has nothing to tell of --empty", option));
-    check_output(option, path, {}, {standard_output});
   }
   if (arguments.report == "-") throw BadInput("--report: must name a file");
-  check_output("--out", arguments.out, {}, {arguments.report});
 }
 
 /// Opened before the loop, so that a path that cannot be written is told at once.
 std::unique_ptr<OutputFile> opened(const std::string& option, const std::string& path) {
-  return path.empty() ? nullptr : std::make_unique<OutputFile>(option, path, Names{}, Names{});
+  return path.empty() ? nullptr : std::make_unique<OutputFile>(option, path);
 }
 
 ExitCode run(const Arguments& arguments) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "command/options.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "formats/csv_inputs.h"
 #include "scenes/scenes.h"
@@ -160,7 +161,11 @@ Box box_of(MeshView mesh) {
 bool is_scene(const std::string& argument) { return argument.starts_with(scene_prefix); }
 
 MeshFile load_mesh_argument(const std::string& argument) {
-  if (!is_scene(argument)) return value_or_bad_input(read_mesh_file(argument));
+  if (!is_scene(argument)) {
+    MeshFile file = value_or_bad_input(read_mesh_file(argument));
+    for (const std::filesystem::path& path : file.files) add_input(path);
+    return file;
+  }
   Mesh mesh = value_or_bad_input(scenes::by_name(argument.substr(scene_prefix.size())), argument + ": ");
   std::vector<std::uint32_t> face_of_triangle(mesh.triangles().size());
   std::iota(face_of_triangle.begin(), face_of_triangle.end(), 0U);

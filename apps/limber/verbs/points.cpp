@@ -9,6 +9,7 @@
 
 #include "command/options.h"
 #include "command/output.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "formats/csv_inputs.h"
@@ -103,7 +104,7 @@ ExitCode run(const PointsArguments& arguments) {
   const std::vector<Vec3> points = read_points(arguments.points);
   const RigidModel model(load_mesh_argument(arguments.model), Engine::fast);
   const PointAsker asker(model, arguments);
-  OutputFile out("--out", arguments.out, {arguments.model, arguments.points}, {});
+  OutputFile out("--out", arguments.out);
   ProgressBar bar(points.size(), "points");
   if (!arguments.json) out.write(columns_of(arguments) + '\n');
   const std::size_t at_once = arguments.has_winding_number ? 64 : 4096;  // some 0.1 s of work, or 2 ms
@@ -116,7 +117,7 @@ ExitCode run(const PointsArguments& arguments) {
       text += (arguments.json ? to_line : csv_line)(row_of(begin + i, some[i], answers[i], model));
     }
     if (out.is_terminal()) bar.clear();
-    out.write(text);
+    out.write_rows(text);
   }
   bar.clear();
   return ExitCode::answered;
@@ -164,7 +165,8 @@ Verb add_points(CLI::App& app) {
       ->type_name("LENGTH");
   command.add_option("--out", arguments->out, "where the answer is written, - for standard output")
       ->type_name("FILE")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->transform(short_name);
   add_json(command, arguments->json, "answer with a JSON object for each point instead of CSV");
   PointsArguments all;
   all.is_signed = all.has_winding_number = true;

@@ -12,6 +12,7 @@
 
 #include "command/options.h"
 #include "command/output.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -189,15 +190,6 @@ ReplayedModel replayed(const ModelArguments& arguments, const TrackedModel& mode
   return {shown_name(arguments.frames.front()), model.model().mesh(), model.mesh_count() > 1, model.pose_count() > 1};
 }
 
-/// All files that are read, so that no output overwrites one of them.
-Names inputs_of(const TrackArguments& arguments) {
-  Names inputs = {arguments.a.poses, arguments.b.poses};
-  for (const ModelArguments* const model : {&arguments.a, &arguments.b}) {
-    inputs.insert(inputs.end(), model->frames.begin(), model->frames.end());
-  }
-  return inputs;
-}
-
 ExitCode run(const TrackArguments& arguments) {
   check_options(arguments);
   TrackedModel a(arguments.a, arguments.model, arguments.loops > 1);
@@ -208,17 +200,15 @@ ExitCode run(const TrackArguments& arguments) {
   if (arguments.continuous && frame_count == 1) throw BadInput("--continuous: there is one frame alone");
   const Asked asked = asked_pairs(arguments, a, b);
   const Names contact_names = names_of(asked.contacts), impact_names = names_of(asked.impacts);
-  const Names inputs = inputs_of(arguments);
-  check_output("--report", arguments.report.path, inputs, {arguments.out});
   std::optional<Replay> replay;
   if (!arguments.report.path.empty()) {
     replay.emplace(Replay::Sequence{frame_count, row_count, contact_names, impact_names, words_of(arguments.model),
                                     arguments.query, arguments.min_clearance, arguments.max_report_megabytes},
                    std::array{replayed(arguments.a, a), replayed(arguments.b, b)});
   }
-  OutputFile out("--out", arguments.out, inputs, {});
+  OutputFile out("--out", arguments.out);
   std::optional<ReportFile> page;
-  if (replay) page.emplace(arguments.report, inputs);
+  if (replay) page.emplace(arguments.report);
   ProgressBar bar(row_count, "frames");
   if (!arguments.json) {
     out.write(track_csv_header(arguments.min_clearance.has_value(), arguments.depth, contact_names, impact_names));
@@ -230,7 +220,7 @@ ExitCode run(const TrackArguments& arguments) {
     if (row.too_close.value_or(false)) exit_code = ExitCode::found;
     if (replay) replay->add(row, {a.state(), b.state()});
     if (out.is_terminal()) bar.clear();
-    out.write((arguments.json ? to_line : csv_line)(to_json(row)));
+    out.write_rows((arguments.json ? to_line : csv_line)(to_json(row)));
   }
   if (!replay) return exit_code;
   if (replay->stride() > 1) {
@@ -327,7 +317,8 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
   command.add_option("--out", arguments->out, "where the answer is written, - for standard output")
       ->type_name("FILE")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->transform(short_name);
   CLI::Option* const report =
       add_report(command, arguments->report,
                  "also write a page that plays the frames, with charts of distances, times and contacts");

@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "command/run_files.h"
 #include "command/text.h"
 #include "formats/csv_inputs.h"
 #include "verbs/models.h"
@@ -18,8 +19,10 @@ MeshFrames::MeshFrames(std::vector<std::string> arguments) : arguments_(std::mov
     scene_ = load_mesh_argument(first_argument);
   } else {
     sequence_ = value_or_bad_input(MeshSequence::open(first_argument));
+    for (const std::filesystem::path& path : sequence_->first().files) add_input(path);
   }
   for (const std::string& argument : arguments_) {
+    if (!scene_) add_input(argument);
     if (is_scene(argument) == scene_.has_value()) continue;
     throw BadInput(fmt::format("{} and {}: frames are either files or scenes, not both", first_argument, argument));
   }
@@ -27,7 +30,12 @@ MeshFrames::MeshFrames(std::vector<std::string> arguments) : arguments_(std::mov
 
 std::vector<Vec3> MeshFrames::positions(std::size_t frame) const {
   if (frame == 0) return first().mesh.positions();
-  if (!scene_) return value_or_bad_input(sequence_->read_positions(arguments_[frame], frame));
+  if (!scene_) {
+    // Of glTF alone, a frame may have further files, which the sequence does not name.
+    const std::string type = std::filesystem::path(arguments_[frame]).extension().string();
+    if (type.starts_with(".g") || type.starts_with(".G")) load_mesh_argument(arguments_[frame]);
+    return value_or_bad_input(sequence_->read_positions(arguments_[frame], frame));
+  }
   const Mesh mesh = load_mesh_argument(arguments_[frame]).mesh, &first_mesh = scene_->mesh;
   if (mesh.positions().size() == first_mesh.positions().size() && mesh.triangles() == first_mesh.triangles()) {
     return mesh.positions();

@@ -15,13 +15,13 @@ constexpr const char *option_a = "--vertices-a", *option_b = "--vertices-b";
 
 bool is_ply(const std::string& path) { return path.ends_with(".ply"); }
 
-/// Refuses what cannot be written, before anything is.
-void check_file(const char* option, const std::string& path, const Names& inputs, const Names& other_outputs) {
+/// Opens the file that an option names, if it does.
+void open_file(std::optional<OutputFile>& file, const char* option, const std::string& path) {
   if (path.empty()) return;
   if (!is_ply(path) && !path.ends_with(".csv")) {
     throw BadInput(fmt::format("{}: {} ends in neither .csv nor .ply", option, path));
   }
-  check_output(option, path, inputs, other_outputs);
+  file.emplace(option, path);
 }
 
 std::vector<Vec3> placed_vertices(const std::string& option, const PlacedModel& model) {
@@ -63,13 +63,9 @@ void add_vertex_files(CLI::App& command, VertexFiles& target) {
   command.add_option(option_b, target.b, "also write the distances of B's vertices from A")->type_name("FILE");
 }
 
-VertexDistances::VertexDistances(const VertexFiles& files, const Names& inputs, Names other_outputs) : files_(files) {
-  other_outputs.emplace_back(standard_output);
-  check_file(option_a, files.a, inputs, other_outputs);
-  other_outputs.push_back(files.a);
-  check_file(option_b, files.b, inputs, other_outputs);
-  if (!files.a.empty()) a_.emplace(option_a, files.a, inputs, Names{});
-  if (!files.b.empty()) b_.emplace(option_b, files.b, inputs, Names{});
+VertexDistances::VertexDistances(const VertexFiles& files) : files_(files) {
+  open_file(a_, option_a, files.a);
+  open_file(b_, option_b, files.b);
 }
 
 void VertexDistances::write(const PlacedModel& a, const PlacedModel& b) {

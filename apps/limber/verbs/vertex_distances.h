@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "command/output.h"
+#include "command/run_files.h"
 #include "verbs/models.h"
 
 namespace CLI {
@@ -31,10 +31,8 @@ the world. A file .ply is the placed mesh, with a property distance of each vert
 /// Opens both files, and writes them when it is told to.
 class VertexDistances {
  public:
-  /// `other_outputs` are files that the run writes besides.
-  ///
   /// Errors   BadInput as OutputFile, and where a name ends in neither .csv nor .ply.
-  VertexDistances(const VertexFiles& files, const Names& inputs, Names other_outputs);
+  explicit VertexDistances(const VertexFiles& files);
 
   /// Errors   OutputFailed; BadInput where a vertex as placed is above `max_coordinate`.
   void write(const PlacedModel& a, const PlacedModel& b);
