@@ -70,9 +70,7 @@ TEST(Transform, ErrorsSayWhatIsNotRigid) {
   };
   Rng rng(4);
   const Mat3 turn = scenes::random_rotation(rng);
-  const auto turned = [&](double x, double y, double z) {
-    return turn * Mat3{{x, 0, 0}, {0, y, 0}, {0, 0, z}};
-  };
+  const auto turned = [&](double x, double y, double z) { return turn * Mat3{{x, 0, 0}, {0, y, 0}, {0, 0, z}}; };
   const std::string start = "the matrix is not rigid: it ", end = "; that belongs into the vertices";
   EXPECT_EQ(text_of(turned(25.4, 25.4, 25.4)), start + "scales by 25.4" + end);
   EXPECT_EQ(text_of(turned(1, 2, 0.5)), start + "scales by 1, 2 and 0.5 along x, y and z" + end);

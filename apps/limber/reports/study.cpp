@@ -20,9 +20,9 @@ namespace {
 /// What the triangles that intersect may take in a page, and in one row of it.
 constexpr std::size_t most_triangle_bytes = 1'000'000, most_triangle_bytes_of_row = 20'000;
 
-constexpr std::array row_names = {"a",      "b",         "status", "lower",     "upper",        "witness", "clash",
-                                  "solids", "too_close", "inside", "depth", "accepted", "intersecting",
-                                  "query_us", "row"};
+constexpr std::array row_names = {"a",       "b",        "status",       "lower",     "upper",
+                                  "witness", "clash",    "solids",       "too_close", "inside",
+                                  "depth",   "accepted", "intersecting", "query_us",  "row"};
 
 /// Both points, then triangles and faces: of a, of b.
 Json json_of_witness(const std::optional<FoundWitness>& witness) {
@@ -69,11 +69,12 @@ void Study::add(std::size_t number, const PartPair& pair, const DistanceAnswer& 
   json["a"] = pair[0];
   json["b"] = pair[1];
   json["witness"] = json_of_witness(answer.witness);
-  json["intersecting"] = answer.relation.surfaces_meet ? intersecting_triangles(pair) : Json(nullptr);
+  json["intersecting"] =
+      answer.result.status == DistanceStatus::collision ? intersecting_triangles(pair) : Json(nullptr);
   json["query_us"] = answer.elapsed_us;
-  rows_.push_back({{kind, -answer.depth.value_or(0), answer.result.lower, answer.result.upper,
-                    static_cast<double>(number)},
-                   std::move(json)});
+  rows_.push_back(
+      {{kind, -answer.depth.value_or(0), answer.result.lower, answer.result.upper, static_cast<double>(number)},
+       std::move(json)});
   if (rows_.size() == 2 * most_rows) keep_worst();
 }
 

@@ -64,9 +64,9 @@ class Study {
   DistanceQuestion question_;
   std::vector<StudyPart> parts_;
   std::vector<Row> rows_;
-  Json counts_ = Json::object();               // of each kind that is not accepted
-  std::size_t accepted_ = 0, too_close_ = 0;   // the latter without accepted ones
-  std::size_t triangle_bytes_ = 0;             // of the triangles that intersect
+  Json counts_ = Json::object();              // of each kind that is not accepted
+  std::size_t accepted_ = 0, too_close_ = 0;  // the latter without accepted ones
+  std::size_t triangle_bytes_ = 0;            // of the triangles that intersect
 };
 
 }  // namespace limber::program

@@ -102,8 +102,8 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
     answer.result.upper += error;
     if (answer.result.status == DistanceStatus::exact) answer.result.status = DistanceStatus::within_error;
   }
-  const Verdict verdict = verdict_of(answer.relation, timed.answer.lower, answer.depth.value_or(0),
-                                     question.tolerances, is_below(answer.result, clearance));
+  const Verdict verdict = verdict_of(answer.relation, timed.answer.lower, answer.depth.value_or(0), question.tolerances,
+                                     is_below(answer.result, clearance));
   answer.clash = verdict.clash, answer.may_clash = verdict.may_clash;
   if (clearance) answer.too_close = verdict.too_close;
   if (answer.depth) answer.depth = std::max(0.0, *answer.depth - error);

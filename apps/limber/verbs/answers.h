@@ -62,11 +62,11 @@ struct DistanceQuestion {
 struct DistanceAnswer {
   DistanceResult result;  ///< of the parts: wider than that of the meshes by the tolerances' mesh error of the pair
   std::optional<FoundWitness> witness;
-  std::optional<bool> too_close;   ///< whether the models are closer than `min_clearance`; empty without one
-  Relation relation;               ///< of the meshes; on a path: at the start, and only the nesting
-  std::optional<Clash> clash;      ///< empty on a path
-  bool may_clash = false;          ///< whether there is, or may be, a hard clash
-  std::optional<double> depth;     ///< that is proven of the parts, where closed meshes overlap
+  std::optional<bool> too_close;    ///< whether the models are closer than `min_clearance`; empty without one
+  Relation relation;                ///< of the meshes; on a path: at the start, and only the nesting
+  std::optional<Clash> clash;       ///< empty on a path
+  bool may_clash = false;           ///< whether there is, or may be, a hard clash
+  std::optional<double> depth;      ///< that is proven of the parts, where closed meshes overlap
   std::optional<double> path_time;  ///< on a path: when the models are so near
   double elapsed_us = 0;
 };

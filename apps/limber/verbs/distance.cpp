@@ -203,9 +203,10 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
                   "--json an object for each row")
       ->type_name("CSV");
   command
-      .add_option("--parts", arguments->parts,
-                  "instead of A and B: a CSV file with a part of an assembly in each row, or one mesh file whose nodes, "
-                  "objects, groups or solids are the parts; the answer is that of all pairs of parts")
+      .add_option(
+          "--parts", arguments->parts,
+          "instead of A and B: a CSV file with a part of an assembly in each row, or one mesh file whose nodes, "
+          "objects, groups or solids are the parts; the answer is that of all pairs of parts")
       ->type_name("FILE");
   command
       .add_option("--accept", arguments->accept,

@@ -103,8 +103,8 @@ AskedPairs pairs_of_parts(const std::string& path, Models& models, double max_di
   AskedPairs asked{StudyKind::parts, {}, {}};
   if (is_mesh_file(path)) {
     for (FilePart& part : read_file_parts(path)) {
-      asked.parts.push_back({part.name.empty() ? shown_name(path) : part.name, path,
-                             models.keep(std::move(part.file)), Transform{}});
+      asked.parts.push_back(
+          {part.name.empty() ? shown_name(path) : part.name, path, models.keep(std::move(part.file)), Transform{}});
     }
   }
   for (const PartRow& row : is_mesh_file(path) ? std::vector<PartRow>() : read_parts(path)) {
