@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // What `limber distance` says where tolerances, errors of meshes and accepted pairs count; and of parts of one file.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 

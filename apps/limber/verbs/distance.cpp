@@ -131,7 +131,7 @@ Example, pairs.csv:
   limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
   limber distance --pairs pairs.csv --min-clearance 0.5 --report study.html
   limber distance --parts parts.csv --report assembly.html --unit mm
-  limber distance --parts house.glb --max-distance 0.05 --tolerance 0.001 --out near.csv
+  limber distance --parts house.glb --max-distance 0.05 --tolerance 0.001
 
 Cells are empty, and null in JSON: too_close without --min-clearance and where meshes cannot tell, inside where neither
 model is inside the other without touching it, solids where a model is not closed, depth there and where volumes do not

@@ -24,7 +24,10 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
   if (isBad || meets) tiles.push(tile(clashWords[data.clash], placeOf(data), isBad ? 'bad' : ''));
   if (data.depth !== null) tiles.push(tile(shownLength(data.depth), 'deep at least', isBad ? 'bad' : ''));
   if (meets) tiles.push(tile(grouped(data.intersections), 'pairs of triangles intersect'));
-  else tiles.push(tile(capital(shownDistance(data)), `${isBad ? 'between surfaces' : 'clearance'} ${ofMeshes(data)}${unitNote()}`));
+  else
+    tiles.push(
+      tile(capital(shownDistance(data)), `${isBad ? 'between surfaces' : 'clearance'} ${ofMeshes(data)}${unitNote()}`),
+    );
   for (const [i, { data: model }] of models.entries()) {
     tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${shownSize(model, 4)}`));
   }
@@ -32,8 +35,7 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
 }
 
 /** Whether curved parts may be nearer than their meshes. */
-export const ofMeshes = ({ mesh_error: error }: ReportData): string =>
-  error > 0 ? 'of the parts' : 'of the meshes';
+export const ofMeshes = ({ mesh_error: error }: ReportData): string => (error > 0 ? 'of the parts' : 'of the meshes');
 
 function missing({ min_clearance: required, upper, status, clash }: ReportData): string {
   if (required === null || upper === null || status !== 'exact' || clash === 'hard_clash') return '';

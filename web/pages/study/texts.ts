@@ -83,7 +83,8 @@ export function showTiles(study: Study, worst: number | undefined): void {
   if (required !== null) {
     const broken = study.too_close;
     const open = counts.cannot_tell ?? 0;
-    if (broken + open === 0) tiles.push(tile('\u2713 Kept', `a clearance of ${shownLength(required)}, in ${all}`, 'good'));
+    if (broken + open === 0)
+      tiles.push(tile('\u2713 Kept', `a clearance of ${shownLength(required)}, in ${all}`, 'good'));
     else if (broken > 0) {
       const text = `${broken === 1 ? 'is' : 'are'} closer than the required ${shownLength(required)}`;
       tiles.push(tile(`\u2717 ${grouped(broken)} of ${grouped(total)}`, text, 'bad'));

@@ -47,7 +47,7 @@ const reports = [
   'huge',
 ];
 const tracks = ['replay', 'twice', 'single', 'clearance'];
-const studies = ['poses', 'mixed', 'parts', 'far'];
+const studies = ['poses', 'mixed', 'parts'];
 const demos = ['usual', 'few', 'thinned'];
 
 before(async () => {
@@ -101,6 +101,8 @@ before(async () => {
   const partHeads = 'name,model,pose_tx';
   study('parts', '--parts', [partHeads, ...partRows], '--min-clearance', '0.5', '--title', 'All <parts>');
   study('far', '--parts', [partHeads, `a,${box},0`, `b,${box},9`], '--max-distance', '2', '--min-clearance', '1');
+  const accept = folder.store('accept.csv', 'name_a,name_b,allowed\nroom,box,all\n');
+  study('accepted', '--parts', [partHeads, ...partRows.slice(0, 2)], '--accept', accept);
   const demo = (name, ...words) => limber('demo', '--json', '--report', path(name), ...words);
   demo('usual');
   demo('few', '--frames', '30', '--relative-error', '0.3', '--no-check');
@@ -137,7 +139,7 @@ for (const name of [...reports, ...tracks, ...studies, ...demos]) {
       await expectGoodLooks(page);
       if (reports.includes(name)) assert.ok((await section(page)).length > 50);
       const charts = await page.$$eval('.plot canvas', (all) => all.map((canvas) => canvas.clientWidth));
-      assert.equal(charts.length > 0, !reports.includes(name) && !['parts', 'far'].includes(name));
+      assert.equal(charts.length > 0, !reports.includes(name) && name !== 'parts');
       for (const chart of charts) assert.ok(chart > 250 && chart <= width, `${chart} pixels`);
       await page.close();
     });
@@ -437,6 +439,25 @@ test('a matrix of parts has the word of each pair, and shows it', async () => {
   }
 });
 
+test('a page of parts that are far apart says so, and has no pair', async () => {
+  const page = await look('far');
+  assert.deepEqual(await tileTexts(page), ['Noneof the parts are within 2 of each other']);
+  assert.equal(await page.locator('.pair, #matrix, #answer').count(), 0);
+  await page.close();
+});
+
+test('accepted pairs are told, and a chart has a line for each two models', async () => {
+  const page = await look('accepted');
+  assert.deepEqual((await tileTexts(page)).at(-1), '1pair is accepted');
+  assert.ok((await page.$$eval('#rows-kinds button', (all) => all.map((b) => b.textContent))).includes('Accepted 1'));
+  await page.close();
+  const mixed = await look('mixed');
+  await mixed.locator('.u-over').hover({ position: { x: 2, y: 90 } });
+  assert.equal(await mixed.getAttribute('.u-over', 'title'), '0: box.obj and scene:ball');
+  assert.ok(await mixed.isChecked('#see-through'));
+  await mixed.close();
+});
+
 test('the cell of a pair that a reader chooses is brought into sight', async () => {
   const page = await look('parts', { width: 250 });
   const { left, right, cellLeft, cellRight } = await page.evaluate(() => {
@@ -493,11 +514,11 @@ test('a track with a clearance starts with its worst frame, and lists all', asyn
 
 test('a track says how deep bodies are in each other, and lists the deepest first', async () => {
   const page = await look('deep');
-  const { max_depth: depth } = answers.deep[2];
+  const { depth } = answers.deep[2];
   assert.ok(depth > 0);
   assert.deepEqual((await rowsOf(page, '#rows'))[0], ['2', 'Contact', `${shown(depth)} deep`]);
   assert.ok((await tileTexts(page)).includes(`${shown(depth)} deepthe deepest, in frame 2`));
-  assert.equal(new Map(await rowsOf(page, '#now')).get('Depth of the deepest vertex'), String(depth));
+  assert.equal(new Map(await rowsOf(page, '#now')).get('Depth, at least'), String(depth));
   await page.close();
 });
 

@@ -4,13 +4,7 @@
 /** Kinds of clashes, as the program tells them, in words. */
 
 export type Clash =
-  | 'hard_clash'
-  | 'cannot_tell'
-  | 'surfaces_meet'
-  | 'touching'
-  | 'clearance'
-  | 'clear'
-  | 'surfaces_apart';
+  'hard_clash' | 'cannot_tell' | 'surfaces_meet' | 'touching' | 'clearance' | 'clear' | 'surfaces_apart';
 export type Solids = 'apart' | 'touching' | 'overlapping' | 'a_inside_b' | 'b_inside_a' | 'equal' | null;
 export type Inside = 'a_inside_b' | 'b_inside_a' | null;
 
