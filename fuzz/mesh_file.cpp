@@ -32,6 +32,10 @@ void check_mesh_file(MeshFile file) {
   require(faces.size() == file.mesh.triangles().size(), "every triangle has a face");
   require(std::is_sorted(faces.begin(), faces.end()), "triangles are in the order of their faces");
   require(faces.back() < file.face_count, "faces of triangles exist in the file");
+  const auto &parts = file.part_of_triangle, &vertices = file.vertex_of_file_vertex;
+  require(parts.size() == faces.size() && *std::max_element(parts.begin(), parts.end()) < file.parts.size() &&
+              *std::max_element(vertices.begin(), vertices.end()) + 1 == file.mesh.positions().size(),
+          "every triangle has a part, every mesh vertex one of the file");
   require(file.mesh.triangles().size() > most_triangles_in_model ||
               static_cast<bool>(Model(std::move(file.mesh)).validate()),
           "a model of the mesh is valid");

@@ -16,9 +16,10 @@
 ///
 /// The extension decides the format, in capitals or not. Coordinates keep float64 precision where the file has it
 /// (text, PLY of doubles); binary STL and glTF hold float32. A glTF scene becomes one mesh, every node's primitives
-/// placed by its transform; skins and morphs stay at rest. Faces keep the file's order; a face of k corners becomes the
-/// k - 2 triangles of a fan around its first corner, so triangle ids index the triangulated list in the file's own
-/// order. Vertices at equal positions are shared (welded) afterwards. Faces of fewer than three corners are skipped but
+/// placed by its transform; skins and morphs stay at rest. Faces keep the file's order; a face of k corners becomes
+/// k - 2 triangles, so triangle ids index the triangulated list in the file's own order. They are the fan around the
+/// first corner if all of it is seen from there, and otherwise those that stay in the face. Vertices at equal positions
+/// are shared (welded) afterwards, see ReadOptions. Faces of fewer than three corners are skipped but
 /// counted, so that face ids stay the file's own. Messages count vertices and faces from 0, also in OBJ files.
 namespace limber {
 
@@ -39,6 +40,10 @@ inline constexpr std::size_t gltf_json_values = std::size_t{1} << 22U;
 inline constexpr std::uint64_t gltf_elements = std::uint64_t{1} << 21U;
 inline constexpr std::uint64_t gltf_elements_per_byte = 2;
 
+/// How often corners of a file's faces are looked at to split those into triangles that are not seen as a whole from
+/// their first corner: for a face of k corners at most k^2 as a rule.
+inline constexpr std::uint64_t corner_tests = std::uint64_t{1} << 28U;
+
 }  // namespace mesh_file_limits
 
 /// Which vertices of a file become one vertex of the mesh.
@@ -51,8 +56,8 @@ struct ReadOptions {
   /// become one stay, without area.
   double weld_tolerance = 0;
 
-  /// Vertices of different parts stay apart. A vertex belongs to the part of the first face that names it; vertices that
-  /// parts share in the file itself, as groups of an OBJ file may, stay shared.
+  /// Vertices of different parts stay apart. A vertex belongs to the part of the first face that names it; vertices
+  /// that parts share in the file itself, as groups of an OBJ file may, stay shared.
   bool parts = false;
 };
 
@@ -66,9 +71,9 @@ struct MeshFile {
   /// of each node's mesh, node by node.
   std::vector<VertexId> vertex_of_file_vertex;
 
-  /// Names of the parts with faces, in order of appearance: objects of an OBJ file, or its groups where it has no
-  /// objects; solids of an STL text; nodes of a glTF scene. Names may be empty and need not differ. A file without
-  /// parts, or one of another format, is one part without a name.
+  /// Names of the parts with faces, in order of appearance: objects of an OBJ file, or its groups where all faces
+  /// belong to one object; solids of an STL text; nodes of a glTF scene. Names may be empty and need
+  /// not differ. A file without parts, or one of another format, is one part without a name.
   std::vector<std::string> parts;
   std::vector<std::uint32_t> part_of_triangle;  ///< in `parts`
 
@@ -82,9 +87,9 @@ struct MeshFile {
 ///          `unsupported_format` (the extension, or a glTF extension), `malformed_file` (truncated, not a mesh),
 ///          `empty_mesh` (no face of three corners), `too_large` (beyond `mesh_file_limits`), `non_finite`, `too_large`
 ///          or `index_out_of_range` with the file's vertex or face.
-/// Throws   If the tolerance is not finite or below 0.
-/// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown). A tolerance sorts
-///          the vertices.
+/// Throws   std::invalid_argument if the tolerance is not finite, below 0, or given without welding.
+/// Cost     O(size of the file), for glTF O(size of its files + vertices and triangles shown). With a
+///          tolerance t also O(v^2 t / extent) of v vertices.
 LIMBER_API Result<MeshFile> read_mesh_file(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a file that is in memory. `name` tells the format by its extension, and is what messages call the file.
@@ -107,7 +112,7 @@ class MeshSequence {
   /// in the first frame, it alone is read.
   ///
   /// Errors   As read_positions().
-  /// Throws   If there is no frame; as read_mesh_file().
+  /// Throws   std::invalid_argument if there is no frame; as read_mesh_file().
   LIMBER_API static Result<MeshSequence> open(std::span<const std::filesystem::path> frames,
                                               const ReadOptions& options = {});
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy
@@ -120,6 +121,14 @@ class MeshFile:
     """The file's own face, counted from 0, behind each triangle."""
     face_count: int
     """Faces in the file."""
+    vertex_of_file_vertex: IdArray
+    """The vertex that each vertex of the file has become."""
+    parts: list[str]
+    """Names of the parts with faces, in order of appearance; one without a name if the file has no parts."""
+    part_of_triangle: IdArray
+    """In parts."""
+    files: list[Path]
+    """Every file that was read, the mesh file first."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

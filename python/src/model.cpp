@@ -3,6 +3,9 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -11,6 +14,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "arguments.h"
@@ -156,16 +160,27 @@ void bind_stats(nb::module_& m) {
       .field("rebuild_us", &MaintenanceStats::rebuild_us, docs::MaintenanceStats_rebuild_us);
 }
 
-Named<"MeshFile"> mesh_file(const std::filesystem::path& path) {
-  const MeshFile file = value_or_raise(without_gil([&] { return read_mesh_file(path); }));
+Named<"MeshFile"> mesh_file(const std::filesystem::path& path, bool weld, double weld_tolerance, bool parts) {
+  const MeshFile file = value_or_raise(without_gil([&] {
+    return read_mesh_file(path, {weld, weld_tolerance, parts});
+  }));
   return result("MeshFile", "vertices"_a = array_of(std::span<const Vec3>(file.mesh.positions())),
                 "faces"_a = array_of(std::span<const Corners>(file.mesh.triangles())),
                 "face_of_triangle"_a = array_of(std::span<const std::uint32_t>(file.face_of_triangle)),
-                "face_count"_a = file.face_count);
+                "face_count"_a = file.face_count,
+                "vertex_of_file_vertex"_a = array_of(std::span<const VertexId>(file.vertex_of_file_vertex)),
+                "parts"_a = file.parts,
+                "part_of_triangle"_a = array_of(std::span<const std::uint32_t>(file.part_of_triangle)),
+                "files"_a = file.files);
 }
 
-void open_sequence(MeshSequence* self, const std::filesystem::path& first) {
-  new (self) MeshSequence(value_or_raise(without_gil([&] { return MeshSequence::open(first); })));
+void open_sequence(MeshSequence* self,
+                   const std::variant<std::filesystem::path, std::vector<std::filesystem::path>>& frames, bool weld,
+                   double weld_tolerance, bool parts) {
+  const auto open = [&](const auto& paths) {
+    return MeshSequence::open(paths, ReadOptions{weld, weld_tolerance, parts});
+  };
+  new (self) MeshSequence(value_or_raise(without_gil([&] { return std::visit(open, frames); })));
 }
 
 FloatArray positions_in(const MeshSequence& self, const std::filesystem::path& path, std::size_t frame) {
@@ -183,12 +198,25 @@ Named<"WeldedMesh"> weld_of(const MeshArgument& vertices, const ArrayLike& faces
                 "first_of"_a = array_of(std::span<const std::uint32_t>(welded->vertices.first_of)));
 }
 
+constexpr const char* open_sequence_doc =
+    R"(Reads all frames, one at a time, and welds the vertices that are together in each of them. Where nothing is
+welded in the first frame, it alone is read. Of a single frame, later ones in which welded vertices part are
+refused when they are read. Options are those of read_mesh_file().
+
+Raises   As read_positions(); ValueError if there is no frame.)";
+
 void bind_mesh_files(nb::module_& m) {
-  m.def("read_mesh_file", &mesh_file, "path"_a, nb::sig("def read_mesh_file(path: str | os.PathLike[str]) -> MeshFile"),
+  m.def("read_mesh_file", &mesh_file, "path"_a, nb::kw_only(), "weld"_a = true, "weld_tolerance"_a = 0.0,
+        "parts"_a = false,
+        nb::sig("def read_mesh_file(path: str | os.PathLike[str], *, weld: bool = True, weld_tolerance: float = 0.0, "
+                "parts: bool = False) -> MeshFile"),
         docs::read_mesh_file);
   nb::class_<MeshSequence>(m, "MeshSequence", docs::MeshSequence)
-      .def("__init__", &open_sequence, "first_frame"_a,
-           nb::sig("def __init__(self, first_frame: str | os.PathLike[str]) -> None"), docs::MeshSequence_open)
+      .def("__init__", &open_sequence, "frames"_a, nb::kw_only(), "weld"_a = true, "weld_tolerance"_a = 0.0,
+           "parts"_a = false,
+           nb::sig("def __init__(self, frames: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *, "
+                   "weld: bool = True, weld_tolerance: float = 0.0, parts: bool = False) -> None"),
+           open_sequence_doc)
       .def_prop_ro(
           "vertices",
           [](const MeshSequence& self) { return array_of(std::span<const Vec3>(self.first().mesh.positions())); },

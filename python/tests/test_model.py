@@ -123,6 +123,24 @@ def test_files_are_loaded(tmp_path: Path) -> None:
     assert (sequence.read_positions(path, 1) == sequence.vertices).all()
 
 
+def test_vertices_of_files_are_welded_as_asked(tmp_path: Path) -> None:
+    def frame(name: str, x: float) -> Path:
+        corners = f"v 0 0 0\nv 1 0 0\nv 1 1 0\nv {x} 0 0\nv {x} 1 0\nv 9 0 0\n"
+        (tmp_path / name).write_text(corners + "o a\nf 1 2 3\no b\nf 4 6 5\n")
+        return tmp_path / name
+
+    first, second, near = frame("0.obj", 1), frame("1.obj", 5), frame("2.obj", 1.001)
+    assert len(limber3d.load(first).vertices) == 4 and len(limber3d.load(first, weld=False).vertices) == 6
+    assert len(limber3d.load(first, parts=True).vertices) == 6 == len(limber3d.load(near).vertices)
+    file = limber3d.read_mesh_file(near, weld_tolerance=0.01)
+    assert file.vertex_of_file_vertex.tolist() == [0, 1, 2, 1, 2, 3] and file.parts == ["a", "b"]
+    with pytest.raises(ValueError, match="weld_tolerance"):
+        limber3d.load(first, weld_tolerance=-1)
+    assert limber3d.MeshSequence([first, second]).read_positions(second, 1)[:, 0].tolist() == [0, 1, 1, 5, 5, 9]
+    with pytest.raises(ValueError, match="parts vertices 1 and 3"):
+        limber3d.MeshSequence(first).read_positions(second, 1)
+
+
 class Organ(limber3d.Model):
     """A model with a constructor and an attribute of its own, and a cycle of references."""
 

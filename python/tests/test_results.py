@@ -72,3 +72,5 @@ def test_a_mesh_file_tells_of_its_faces(tmp_path: Path) -> None:
     assert file.vertices.shape == (4, 3) and file.faces.shape == (2, 3)
     assert file.face_of_triangle.tolist() == [1, 1] and file.face_count == 2
     assert (limber3d.Model(file).faces == file.faces).all()
+    assert file.vertex_of_file_vertex.tolist() == [0, 1, 2, 3] and file.files == [path]
+    assert file.parts == [""] and file.part_of_triangle.tolist() == [0, 0]

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "base/float_environment.h"
 #include "io/file_bytes.h"
 #include "io/parse_mesh.h"
+#include "io/polygon_triangles.h"
 #include "io/welding.h"
 
 namespace limber {
@@ -53,7 +55,8 @@ Result<io::Soup> read_soup(const fs::path& path, std::vector<fs::path>* files = 
 
 void require_options(const ReadOptions& options) {
   const double tolerance = options.weld_tolerance;
-  LIMBER_REQUIRE(tolerance >= 0 && std::isfinite(tolerance), "limber::ReadOptions: weld_tolerance must be finite and not below 0");
+  LIMBER_REQUIRE(tolerance >= 0 && std::isfinite(tolerance),
+                 "limber::ReadOptions: weld_tolerance must be finite and not below 0");
   LIMBER_REQUIRE(options.weld || tolerance == 0, "limber::ReadOptions: there is a weld_tolerance without weld");
 }
 
@@ -67,7 +70,16 @@ std::vector<Vec3> pick(const std::vector<Vec3>& positions, const std::vector<Ver
   return picked;
 }
 
-/// Cuts every face into a fan of triangles from its first corner, and gives vertices the ids that `weld` has for them.
+/// A part's name in UTF-8 and without control characters, whatever the file has.
+std::string shown_name(const std::string& name) {
+  const auto valid = nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  auto shown = nlohmann::json::parse(valid).get<std::string>();
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');
+  return shown;
+}
+
+/// Splits every face into triangles, and gives vertices the ids that `weld` has for them.
 Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, Weld weld, std::vector<fs::path> files) {
   std::size_t triangle_count = 0;
   for (std::size_t f = 0; f < soup.faces.size(); ++f)  // n corners make n - 2 triangles
@@ -81,10 +93,14 @@ Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, Weld
   triangles.reserve(triangle_count);
   face_of_triangle.reserve(triangle_count);
   part_of_triangle.reserve(triangle_count);
+  io::PolygonTriangles splitter(soup.positions);
   for (std::size_t f = 0; f < soup.faces.size(); ++f) {
     const std::span<const std::uint32_t> face = soup.faces[f];
-    for (std::size_t i = 2; i < face.size(); ++i) {
-      triangles.push_back({weld.welded_of[face[0]], weld.welded_of[face[i - 1]], weld.welded_of[face[i]]});
+    const Result<std::span<const std::uint32_t>> corners = splitter.split(face, f);
+    if (!corners) return in_file(path, corners.error());
+    const auto vertex = [&](std::size_t corner) { return weld.welded_of[face[(*corners)[corner]]]; };
+    for (std::size_t i = 0; i < corners->size(); i += 3) {
+      triangles.push_back({vertex(i), vertex(i + 1), vertex(i + 2)});
       face_of_triangle.push_back(static_cast<std::uint32_t>(f));
       part_of_triangle.push_back(soup.part_of_face.empty() ? 0 : soup.part_of_face[f]);
     }
@@ -92,27 +108,26 @@ Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, Weld
   LIMBER_ASSERT(triangles.size() == triangle_count);
   Result<Mesh> mesh = Mesh::create(pick(soup.positions, weld.first_of), std::move(triangles));
   if (!mesh) return in_file(path, mesh.error());
-  return MeshFile{std::move(*mesh),
-                  std::move(face_of_triangle),
-                  soup.faces.size(),
-                  std::move(weld.welded_of),
-                  soup.parts.empty() ? std::vector<std::string>(1) : soup.parts,
-                  std::move(part_of_triangle),
-                  std::move(files)};
+  std::vector<std::string> parts(std::max<std::size_t>(soup.parts.size(), 1));
+  std::transform(soup.parts.begin(), soup.parts.end(), parts.begin(), shown_name);
+  return MeshFile{std::move(*mesh), std::move(face_of_triangle), soup.faces.size(), std::move(weld.welded_of),
+                  std::move(parts), std::move(part_of_triangle), std::move(files)};
 }
 
-/// Why a frame is not one of a sequence that begins with `first`; empty if it is.
-std::string difference(const io::Soup& frame, std::size_t first_vertex_count, const io::FaceLists& first) {
+/// Why a frame is not one of a sequence that begins with these; empty if it is.
+std::string difference(const io::Soup& frame, std::size_t vertex_count, const std::vector<std::uint32_t>& corners,
+                       const std::vector<std::size_t>& ends) {
   const io::FaceLists& faces = frame.faces;
-  if (frame.positions.size() != first_vertex_count || faces.size() != first.size()) {
+  if (frame.positions.size() != vertex_count || faces.size() != ends.size()) {
     return "has " + std::to_string(frame.positions.size()) + " vertices and " + std::to_string(faces.size()) +
-           " faces, the first frame " + std::to_string(first_vertex_count) + " and " + std::to_string(first.size());
+           " faces, the first frame " + std::to_string(vertex_count) + " and " + std::to_string(ends.size());
   }
-  if (faces.corners == first.corners && faces.ends == first.ends) return {};
+  if (faces.corners == corners && faces.ends == ends) return {};
+  const io::FaceLists first{corners, ends};
   std::size_t face = 0;  // the loop ends: as many faces, and they differ
   while (std::equal(faces[face].begin(), faces[face].end(), first[face].begin(), first[face].end())) ++face;
   return "differs from the first frame in face " + std::to_string(face) + " of " + std::to_string(faces.size()) +
-         ", with " + std::to_string(first_vertex_count) + " vertices in both";
+         ", with " + std::to_string(vertex_count) + " vertices in both";
 }
 
 Error changed(const fs::path& path, std::size_t frame, const std::string& how) {
@@ -157,7 +172,7 @@ Result<MeshSequence> MeshSequence::open(std::span<const fs::path> frames, const 
   for (std::size_t frame = 1; frame < frames.size() && welding.joins_any(); ++frame) {
     const Result<io::Soup> later = read_soup(frames[frame]);
     if (!later) return later.error();
-    const std::string how = difference(*later, soup->positions.size(), soup->faces);
+    const std::string how = difference(*later, soup->positions.size(), soup->faces.corners, soup->faces.ends);
     if (!how.empty()) return changed(frames[frame], frame, how);
     welding.part(later->positions);
   }
@@ -177,7 +192,7 @@ Result<std::vector<Vec3>> MeshSequence::read_positions(const fs::path& path, std
   const Result<io::Soup> soup = read_soup(path);
   if (!soup) return soup.error();
   const std::vector<VertexId>& mesh_vertex_of = first_.vertex_of_file_vertex;
-  const std::string how = difference(*soup, mesh_vertex_of.size(), {file_corners_, file_face_ends_});
+  const std::string how = difference(*soup, mesh_vertex_of.size(), file_corners_, file_face_ends_);
   if (!how.empty()) return changed(path, frame, how);
   for (std::size_t v = 0; v < mesh_vertex_of.size(); ++v) {
     const VertexId first = file_vertex_of_[mesh_vertex_of[v]];

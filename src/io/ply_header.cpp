@@ -81,7 +81,7 @@ Result<void> check_elements(PlyHeader& header) {
       ++vertex_elements;
       header.vertex_count = element.count;
       if (Result<void> checked = check_vertices(element); !checked) return checked;
-    } else if (element.holds_faces()) {
+    } else if (element.holds_faces() || element.holds_strips()) {
       ++face_elements;
       if (Result<void> checked = check_faces(element); !checked) return checked;
     }

@@ -35,6 +35,7 @@ struct PlyElement {
 
   bool holds_vertices() const { return name == "vertex" || name == "vertices"; }
   bool holds_faces() const { return name == "face" || name == "faces"; }
+  bool holds_strips() const { return name == "tristrips"; }  ///< of triangles, which -1 may separate
 };
 
 struct PlyHeader {
@@ -45,8 +46,8 @@ struct PlyHeader {
 
 /// Takes the header off the front of `rest`.
 ///
-/// Promise  There is one element of vertices, with one x, y and z each of a float type, and at most one of faces, with
-///          one list of integer vertex indices. The header's names refer to the file's bytes.
+/// Promise  There is one element of vertices, with one x, y and z each of a float type, and at most one of faces or
+///          strips, with one list of integer vertex indices. The header's names refer to the file's bytes.
 Result<PlyHeader> take_ply_header(std::string_view& rest);
 
 }  // namespace limber::io

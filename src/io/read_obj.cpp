@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdint>
+#include <map>
 
 #include "io/readers.h"
 #include "io/text_scan.h"
@@ -30,6 +31,30 @@ std::optional<std::int32_t> corner_index(std::string_view corner) {
   return integer<std::int32_t>(corner.substr(0, corner.find('/')));
 }
 
+/// Faces by the name that stands before them; a name that comes again goes on.
+class NamedParts {
+ public:
+  void begin(std::string_view name) { name_ = trimmed(name), is_known_ = false; }
+  void add_face() {
+    if (!is_known_) {
+      const auto [found, is_new] = ids_.emplace(name_, static_cast<std::uint32_t>(names.size()));
+      if (is_new) names.push_back(name_);
+      id_ = found->second;
+      is_known_ = true;
+    }
+    part_of_face.push_back(id_);
+  }
+
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> part_of_face;
+
+ private:
+  std::string name_;
+  std::map<std::string, std::uint32_t> ids_;
+  std::uint32_t id_ = 0;
+  bool is_known_ = false;
+};
+
 class ObjReader {
  public:
   Result<Soup> read(std::string_view file);
@@ -41,6 +66,7 @@ class ObjReader {
   Result<void> check_corners() const;
 
   Soup soup_;
+  NamedParts objects_, groups_;
   std::uint32_t largest_corner_ = 0;
 };
 
@@ -65,6 +91,8 @@ Result<void> ObjReader::read_face(std::string_view words) {
     soup_.faces.corners.push_back(corner);
   }
   soup_.faces.ends.push_back(soup_.faces.corners.size());
+  objects_.add_face();
+  groups_.add_face();
   return {};
 }
 
@@ -74,8 +102,19 @@ Result<void> ObjReader::read_record(std::string_view line, std::size_t line_numb
   if (keyword.empty()) return {};
   if (keyword == "v") return read_vertex(line);
   if (keyword == "f" || keyword == "fo") return read_face(line);  // "fo" is the same in old files
+  if (keyword == "o") objects_.begin(line);
+  if (keyword == "g") groups_.begin(line);
   if (!is_keyword(keyword)) return malformed("line", line_number, in_quotes(keyword) + " is not an OBJ keyword");
   return {};
+}
+
+/// The line up to a backslash at its end, by which the record goes on in the next line; none without one. A comment
+/// ends with its line.
+std::optional<std::string_view> continued(std::string_view line) {
+  if (without_comment(line).size() < line.size()) return {};
+  line = line.substr(0, line.find_last_not_of(" \t\v\f") + 1);
+  if (!line.ends_with('\\')) return {};
+  return line.substr(0, line.size() - 1);
 }
 
 /// Checks what only the end of the file can tell, since faces may precede their vertices.
@@ -96,19 +135,21 @@ Result<Soup> ObjReader::read(std::string_view file) {
   for (std::size_t line_number = 1; !rest.empty(); ++line_number) {
     std::string_view line = take_line(rest);
     const std::size_t first_line = line_number;
-    if (line.ends_with('\\')) {  // the record goes on in the next line
-      joined.clear();
-      while (line.ends_with('\\')) {
-        joined.append(line.substr(0, line.size() - 1)).append(1, ' ');
-        line = take_line(rest);
-        ++line_number;
-      }
-      line = joined.append(line);
+    joined.clear();
+    for (auto part = continued(line); part; part = continued(line)) {
+      joined.append(*part).append(1, ' ');
+      line = take_line(rest);
+      ++line_number;
     }
+    if (!joined.empty()) line = joined.append(line);
     if (Result<void> done = read_record(line, first_line); !done) return done.error();
   }
   if (soup_.positions.empty() && soup_.faces.size() == 0) return malformed("has neither vertices nor faces");
   if (Result<void> checked = check_corners(); !checked) return checked.error();
+  NamedParts& parts = objects_.names.size() > 1 ? objects_ : groups_;
+  if (parts.names.size() <= 1 && !objects_.names.empty()) parts = std::move(objects_);
+  soup_.parts = std::move(parts.names);
+  soup_.part_of_face = std::move(parts.part_of_face);
   return std::move(soup_);
 }
 

@@ -23,7 +23,7 @@ class PlyReader {
 
   Result<void> read(const PlyElement& element) {
     if (element.holds_vertices()) return read_vertices(element);
-    if (element.holds_faces()) return read_faces(element);
+    if (element.holds_faces() || element.holds_strips()) return read_faces(element);
     for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
       for (const PlyProperty& property : element.properties) {
         if (!skip(property)) return truncated(element, i);
@@ -116,18 +116,43 @@ class PlyReader {
         }
         const auto size = take_integer(*property.size_type);
         if (!size || *size < 0 || static_cast<std::uint64_t>(*size) > rest_.size()) return truncated(element, face);
+        std::size_t first = faces.corners.size();
         for (std::int64_t i = 0; i < *size; ++i) {
           const auto corner = take_integer(property.type);
           if (!corner) return truncated(element, face);
+          if (*corner == -1 && element.holds_strips()) {
+            split_strip(first);
+            first = faces.corners.size();
+            continue;
+          }
           if (*corner < 0 || static_cast<std::uint64_t>(*corner) >= vertex_count_) {
             return missing_vertex(face, *corner, vertex_count_);
           }
           faces.corners.push_back(static_cast<std::uint32_t>(*corner));
         }
-        faces.ends.push_back(faces.corners.size());
+        if (element.holds_strips()) {
+          split_strip(first);
+        } else {
+          faces.ends.push_back(faces.corners.size());
+        }
       }
     }
     return {};
+  }
+
+  /// Makes faces of the strip whose corners stand at the end of the list. Every other triangle of a strip turns the
+  /// other way round; those that name a vertex twice only lead to the next one.
+  void split_strip(std::size_t first) {
+    FaceLists& faces = soup_.faces;
+    const std::vector<std::uint32_t> strip(faces.corners.begin() + static_cast<std::ptrdiff_t>(first),
+                                           faces.corners.end());
+    faces.corners.resize(first);
+    for (std::size_t i = 2; i < strip.size(); ++i) {
+      const std::uint32_t a = strip[i - 2], b = strip[i - 1], c = strip[i];
+      if (a == b || b == c || c == a) continue;
+      faces.corners.insert(faces.corners.end(), {i % 2 == 0 ? a : b, i % 2 == 0 ? b : a, c});
+      faces.ends.push_back(faces.corners.size());
+    }
   }
 
   std::string_view rest_;

@@ -28,16 +28,38 @@ void add_facet(Soup& soup) {
   soup.faces.ends.push_back(soup.faces.corners.size());
 }
 
-/// Pre: the file is as long as its number of facets asks for.
-Soup read_binary(std::string_view file) {
-  LIMBER_ASSERT(promised_bytes(file) == file.size());
-  const std::size_t facet_count = (file.size() - binary_head_bytes) / binary_facet_bytes;
+/// Where each facet starts if all are followed by as many bytes as their attributes say; empty unless the file ends
+/// with the last of them.
+std::vector<std::size_t> facets_with_attributes(std::string_view file) {
+  std::vector<std::size_t> starts;
+  std::size_t at = binary_head_bytes;
+  for (std::uint64_t left = unsigned_number(file.substr(80, 4)); left > 0; --left) {
+    if (at > file.size() || file.size() - at < binary_facet_bytes) return {};
+    starts.push_back(at);
+    at += binary_facet_bytes;
+    at += static_cast<std::size_t>(unsigned_number(file.substr(at - 2, 2)));
+  }
+  return at == file.size() ? starts : std::vector<std::size_t>();
+}
+
+bool has_no_attributes(std::string_view file, std::size_t facet_count) {
+  std::size_t facet = 0;
+  while (facet < facet_count &&
+         unsigned_number(file.substr(binary_head_bytes + (facet + 1) * binary_facet_bytes - 2, 2)) == 0)
+    ++facet;
+  return facet == facet_count;
+}
+
+/// Facets one after the other, or where `starts` says.
+Soup read_binary(std::string_view file, std::size_t facet_count, const std::vector<std::size_t>& starts = {}) {
   Soup soup;
   soup.positions.reserve(3 * facet_count);
   soup.faces.corners.reserve(3 * facet_count);
   soup.faces.ends.reserve(facet_count);
   for (std::size_t facet = 0; facet < facet_count; ++facet) {
-    std::size_t at = binary_head_bytes + facet * binary_facet_bytes + binary_normal_bytes;
+    std::size_t at = starts.empty() ? binary_head_bytes + facet * binary_facet_bytes : starts[facet];
+    LIMBER_ASSERT(file.size() - at >= binary_facet_bytes);
+    at += binary_normal_bytes;
     for (int corner = 0; corner < 3; ++corner) {
       Vec3 position;
       for (std::size_t axis = 0; axis < 3; ++axis, at += 4) position[axis] = float_number(file.substr(at, 4));
@@ -92,10 +114,13 @@ Result<Soup> read_text(std::string_view file) {
   Soup soup;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
     if (!is_keyword(word, "solid")) return misplaced(soup.faces.size(), word, "solid");
-    take_line(rest);  // the solid's name
+    const std::string_view name = trimmed(take_line(rest));
+    const std::size_t first = soup.faces.size();
     for (word = take_word(rest); is_keyword(word, "facet"); word = take_word(rest)) {
       if (Result<void> read = read_facet(rest, soup); !read) return read.error();
     }
+    if (soup.faces.size() > first) soup.parts.emplace_back(name);
+    soup.part_of_face.resize(soup.faces.size(), static_cast<std::uint32_t>(soup.parts.size()) - 1);
     if (!is_keyword(word, "endsolid")) return misplaced(soup.faces.size(), word, "endsolid");
     take_line(rest);
   }
@@ -106,10 +131,24 @@ Result<Soup> read_text(std::string_view file) {
 
 Result<Soup> read_stl(std::string_view file) {
   const std::optional<std::uint64_t> promised = promised_bytes(file);
-  if (promised == file.size()) return read_binary(file);  // also when it starts with "solid", as some binary files do
+  const auto facets_that_fit = promised ? (file.size() - binary_head_bytes) / binary_facet_bytes : std::size_t{0};
+  // Also when it starts with "solid", as some binary files do.
+  if (promised == file.size()) return read_binary(file, facets_that_fit);
   std::string_view rest = without_byte_order_mark(file);
   if (is_keyword(take_word(rest), "solid") && file.find('\0') == file.npos) return read_text(file);
   if (!promised) return malformed("is neither a text nor a binary STL file");
+  if (const auto starts = facets_with_attributes(file); !starts.empty()) {
+    return read_binary(file, starts.size(), starts);
+  }
+  const std::uint64_t count = unsigned_number(file.substr(80, 4));
+  // Other bytes may follow, unless facets speak of bytes behind themselves: these would be taken for facets.
+  if (count > 0 && *promised < file.size() && has_no_attributes(file, static_cast<std::size_t>(count))) {
+    return read_binary(file, static_cast<std::size_t>(count));
+  }
+  // Programs that write as they go leave the number of facets 0.
+  if (count == 0 && file.size() == binary_head_bytes + facets_that_fit * binary_facet_bytes) {
+    return read_binary(file, facets_that_fit);
+  }
   return malformed("is no STL text, and as a binary file it promises " + std::to_string(*promised) + " bytes but has " +
                    std::to_string(file.size()));
 }

@@ -65,4 +65,7 @@ inline std::string in_quotes(std::string_view word, std::size_t max_length = 20)
   return text + (word.size() > max_length ? "...'" : "'");
 }
 
+/// Takes blanks off both ends.
+std::string_view trimmed(std::string_view text);
+
 }  // namespace limber::io

@@ -36,6 +36,12 @@ bool is_microsoft_infinity_or_nan(std::string_view word) {
 
 }  // namespace
 
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
 std::string_view without_comment(std::string_view line) {
   std::size_t at = line.find('#');
   while (at != line.npos && at > 0 && line[at - 1] == '.' && at + 1 < line.size() && line[at + 1] >= 'I' &&

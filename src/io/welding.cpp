@@ -3,10 +3,10 @@
 #include "io/welding.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "base/check.h"
 
@@ -45,32 +45,6 @@ std::vector<std::uint32_t> parts_of_vertices(const Soup& soup) {
   return part_of_vertex;
 }
 
-/// A cube of space, and a part whose vertices are in it.
-struct Cell {
-  std::array<double, 3> cube;
-  std::uint32_t part;
-  bool operator==(const Cell&) const = default;
-  bool operator<(const Cell& other) const { return std::tie(cube, part) < std::tie(other.cube, other.part); }
-};
-
-/// The cubes that a cube of space around a position, of twice the tolerance, reaches into, each once.
-std::vector<Cell> cells_around(const Vec3& p, double tolerance, std::uint32_t part) {
-  const auto cube_of = [&](double coordinate) { return std::floor(coordinate / (4 * tolerance)); };
-  std::array<std::vector<double>, 3> reached;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Far from the origin, where neighbors in float64 are farther apart than cubes, all three differ.
-    reached[axis] = {cube_of(p[axis] - tolerance), cube_of(p[axis]), cube_of(p[axis] + tolerance)};
-    reached[axis].erase(std::unique(reached[axis].begin(), reached[axis].end()), reached[axis].end());
-  }
-  std::vector<Cell> cells;
-  for (const double x : reached[0]) {
-    for (const double y : reached[1]) {
-      for (const double z : reached[2]) cells.push_back({{x, y, z}, part});
-    }
-  }
-  return cells;
-}
-
 }  // namespace
 
 bool are_together(const Vec3& p, const Vec3& q, double tolerance) {
@@ -93,37 +67,35 @@ Welding::Welding(const Soup& first_frame, const ReadOptions& options) : toleranc
 }
 
 void Welding::join_near(std::span<const Vec3> positions, std::span<const std::uint32_t> part_of_vertex) {
-  const auto own_cell = [&](VertexId v) {
-    const Vec3& p = positions[v];
-    const double edge = 4 * tolerance_;
-    return Cell{{std::floor(p.x / edge), std::floor(p.y / edge), std::floor(p.z / edge)}, part_of_vertex[v]};
-  };
-  std::vector<Cell> cells;
+  // Vertices within the tolerance are so along any direction. Along this one few others are: it is normal to no
+  // plane that is usual in models.
+  constexpr Vec3 direction = {0.36, 0.48, 0.8};
+  std::vector<std::pair<double, VertexId>> along;
+  double slack = tolerance_;
   for (VertexId v = 0; v < positions.size(); ++v) {
-    if (equal_to_[v] == v) cells.push_back(own_cell(v));
+    if (equal_to_[v] != v) continue;
+    const Vec3& p = positions[v];
+    along.emplace_back(dot(direction, p), v);
+    slack = std::max(slack, tolerance_ + 1e-14 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z)));  // of rounding
   }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  const auto index_of = [&](const Cell& cell) {
-    return static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell) - cells.begin());
-  };
-
-  // Mesh vertices are farther apart than the tolerance, so a cell lists few.
-  std::vector<VertexId> last_in_cell(cells.size(), no_id), one_before(positions.size(), no_id);
+  std::sort(along.begin(), along.end());
+  std::vector<std::size_t> place(positions.size());
+  for (std::size_t i = 0; i < along.size(); ++i) place[along[i].second] = i;
   joined_to_ = equal_to_;
   for (VertexId v = 0; v < positions.size(); ++v) {
-    if (equal_to_[v] != v) {
-      joined_to_[v] = joined_to_[equal_to_[v]];
-      continue;
-    }
-    for (const Cell& cell : cells_around(positions[v], tolerance_, part_of_vertex[v])) {
-      const std::size_t index = index_of(cell);
-      if (index == cells.size() || cells[index] != cell) continue;
-      for (VertexId u = last_in_cell[index]; u != no_id; u = one_before[u]) {
-        if (u < joined_to_[v] && are_together(positions[u], positions[v], tolerance_)) joined_to_[v] = u;
+    joined_to_[v] = joined_to_[equal_to_[v]];
+    if (equal_to_[v] != v) continue;
+    const auto try_to_join = [&](VertexId u) {
+      if (u < joined_to_[v] && joined_to_[u] == u && part_of_vertex[u] == part_of_vertex[v] &&
+          are_together(positions[u], positions[v], tolerance_)) {
+        joined_to_[v] = u;
       }
+    };
+    const double here = along[place[v]].first;
+    for (std::size_t i = place[v]; i-- > 0 && here - along[i].first <= slack;) try_to_join(along[i].second);
+    for (std::size_t i = place[v] + 1; i < along.size() && along[i].first - here <= slack; ++i) {
+      try_to_join(along[i].second);
     }
-    if (joined_to_[v] == v) one_before[v] = std::exchange(last_in_cell[index_of(own_cell(v))], v);
   }
 }
 

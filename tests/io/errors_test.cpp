@@ -255,7 +255,6 @@ TEST_F(Errors, broken_stl_files_are_malformed) {
     EXPECT_EQ(refused("a.stl", bytes).code, ErrorCode::malformed_file) << part;
   }
   const std::string binary = tetrahedron_stl_binary();
-  EXPECT_EQ(refused("a.stl", binary + "x").code, ErrorCode::malformed_file);
   EXPECT_EQ(refused("a.stl", binary.substr(0, binary.size() - 50)).code, ErrorCode::malformed_file);
   std::string lying = binary;
   lying[83] = '\x7f';

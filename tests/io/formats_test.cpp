@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <locale>
 #include <span>
@@ -92,6 +93,85 @@ TEST_F(Formats, obj_records_without_geometry_are_passed_over) {
   ASSERT_TRUE(file) << file.error().text;
   EXPECT_EQ(file->mesh.positions(), (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}));
   EXPECT_EQ(file->mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 2, 1}}));
+}
+
+TEST_F(Formats, obj_comments_end_with_their_line_and_records_do_not) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+  for (const std::string& bytes : {"# C:\\work\\\n" + vertices + "f 1 2 3\n", vertices + "# \\ \\\r\nf 1 2 3\n",
+                                   vertices + "f 1 2 3 # D:\\\nf 1 3 2\n", vertices + "f 1 \\ \t\n 2 \\\r\n 3\n",
+                                   std::string("v 0 0 \\\n0\nv 1 0 0 # \\\nv 1 1 0\nf 1 2\\\n 3")}) {
+    const Result<MeshFile> file = read("a.obj", bytes);
+    ASSERT_TRUE(file) << bytes << file.error().text;
+    EXPECT_EQ(file->mesh.positions(), (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}})) << bytes;
+    EXPECT_EQ(file->mesh.triangles()[0], (Corners{0, 1, 2})) << bytes;
+    EXPECT_EQ(file->face_count, bytes.find("f 1 3 2") == bytes.npos ? 1U : 2U);
+  }
+}
+
+TEST_F(Formats, parts_are_objects_or_groups_and_stay_apart_if_asked_to) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 1 0 0\nv 0 -1 0\n";
+  const auto parts_of = [&](const std::string& faces) {
+    const MeshFile file = read("a.obj", vertices + faces).value();
+    EXPECT_EQ(file.part_of_triangle.size(), file.mesh.triangles().size());
+    return std::pair(file.parts, file.part_of_triangle);
+  };
+  using Parts = std::pair<std::vector<std::string>, Faces>;
+  EXPECT_EQ(parts_of("f 1 2 3\n"), Parts({""}, {0}));
+  EXPECT_EQ(parts_of("o none\no a b \ng x\nf 1 2 3\no \xFF\t2\ng x\nf 4 5 6 4\n"),
+            Parts({"a b", "\xEF\xBF\xBD?2"}, {0, 1, 1}));
+  EXPECT_EQ(parts_of("o all\ng x\nf 1 2 3\ng y\nf 4 5 6\ng x\nf 1 3 2\n"), Parts({"x", "y"}, {0, 1, 0}));
+  EXPECT_EQ(parts_of("f 1 2 3\no all\nf 4 5 6\n"), Parts({"", "all"}, {0, 1}));
+  EXPECT_EQ(parts_of("o all\nf 4 5 6\n"), Parts({"all"}, {0}));
+  const auto path = write("b.obj", vertices + "g x\nf 1 2 3\ng y\nf 4 5 6\n");
+  EXPECT_EQ(read_mesh_file(path).value().vertex_of_file_vertex, (Faces{0, 1, 2, 0, 1, 3}));
+  EXPECT_EQ(read_mesh_file(path, {.parts = true}).value().vertex_of_file_vertex, (Faces{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(read_mesh_file(path).value().files, std::vector{path});
+  for (const ReadOptions& wrong :
+       {ReadOptions{.weld_tolerance = -1}, {.weld = false, .weld_tolerance = 1}, {.weld_tolerance = NAN}}) {
+    EXPECT_THROW(static_cast<void>(read_mesh_file(path, wrong)), std::invalid_argument);
+  }
+}
+
+TEST_F(Formats, stl_may_have_data_behind_facets_or_no_count) {
+  const std::string plain = tetrahedron_stl_binary();
+  std::string attributes = plain.substr(0, 84), uncounted = plain;
+  for (std::size_t at = 84; at < plain.size(); at += 50) {
+    attributes += plain.substr(at, 48) + std::string("\x04\0", 2) + "abcd";
+  }
+  uncounted[80] = 0;
+  const Mesh expected = read("a.stl", plain).value().mesh;
+  for (const std::string& bytes : {attributes, uncounted, plain + "x", plain + plain}) {
+    const Result<MeshFile> file = read("a.stl", bytes);
+    ASSERT_TRUE(file) << file.error().text;
+    EXPECT_EQ(file->mesh.positions(), expected.positions());
+    EXPECT_EQ(file->mesh.triangles(), expected.triangles());
+  }
+  for (const std::string& bytes : {attributes.substr(0, attributes.size() - 1), attributes + "x", uncounted + "x"}) {
+    EXPECT_EQ(refused("a.stl", bytes).code, ErrorCode::malformed_file);
+  }
+}
+
+TEST_F(Formats, off_may_break_lines_anywhere) {
+  for (const char* bytes :
+       {"OFF\n3 1 0\n0\n0 0\n1 # x\n0 0 0 1\n0\n3\n0 1 2\n", "OFF 3 1 0\n0 0 0 1 0 0 0 1 0 3 0 1 2",
+        "CNOFF\n3 1 0\n0 0 0\n0 0 1\n9 9 9 1\n1 0 0\n0 0 1\n9 9 9 1\n0 1 0\n0 0 1\n9 9 9 1\n3 0 1\n2"}) {
+    const Result<MeshFile> file = read("a.off", bytes);
+    ASSERT_TRUE(file) << bytes << file.error().text;
+    EXPECT_EQ(file->mesh.positions(), (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})) << bytes;
+  }
+  refused("a.off", "OFF\n3 1 0\n0 0\n1 0 0\n0 1 0\n3 0 1 2 7\n");
+}
+
+TEST_F(Formats, ply_strips_become_triangles_of_one_direction) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n";
+  const MeshFile file = read("a.ply", head + "13 0 1 2 3 4 -1 2 1 3 3 4 -1 0\n").value();
+  EXPECT_EQ(file.mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {2, 1, 3}}));
+  EXPECT_EQ(file.face_of_triangle, (Faces{0, 1, 2, 3}));
+  EXPECT_EQ(refused("a.ply", head + "3 0 1 5\n").code, ErrorCode::index_out_of_range);
+  EXPECT_EQ(refused("a.ply", head + "3 0 1 -2\n").code, ErrorCode::index_out_of_range);
 }
 
 TEST_F(Formats, obj_faces_may_precede_their_vertices) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <random>
 #include <tuple>
 
 #include "files.h"
@@ -26,14 +27,82 @@ TEST_F(Sequence, vertices_that_meet_later_stay_apart) {
   EXPECT_EQ(*met, (Positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
 }
 
-TEST_F(Sequence, vertices_welded_in_the_first_frame_stay_one) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("0")));
-  ASSERT_TRUE(frames) << frames.error().text;
-  EXPECT_EQ(frames->first().mesh.positions().size(), 4U);
-  EXPECT_EQ(frames->first().mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {1, 3, 2}}));
-  const Result<Positions> parted = frames->read_positions(write("1.obj", two_loose_triangles("7")), 1);
-  ASSERT_TRUE(parted) << parted.error().text;
-  EXPECT_EQ(*parted, (Positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 7}}));  // each is where its first copy is
+TEST_F(Sequence, vertices_that_part_later_are_two_or_the_frame_is_refused) {
+  const std::vector<std::filesystem::path> files = {write("0.obj", two_loose_triangles("0")),
+                                                    write("1.obj", two_loose_triangles("7"))};
+  const Positions parted = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 7}, {1, 1, 7}, {0, 1, 7}};
+  for (const Result<MeshSequence>& frames :
+       {MeshSequence::open(files), MeshSequence::open(files[0], {.weld = false})}) {
+    ASSERT_TRUE(frames) << frames.error().text;
+    EXPECT_EQ(frames->read_positions(files[1], 1).value(), parted);
+  }
+  const MeshSequence first_alone = MeshSequence::open(files[0]).value();
+  EXPECT_EQ(first_alone.first().mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {1, 3, 2}}));
+  const Error error = first_alone.read_positions(files[1], 1).error();
+  EXPECT_EQ(error.code, ErrorCode::changed_connectivity);
+  EXPECT_NE(error.text.find("frame 1 parts vertices 1 and 3 of the file"), std::string::npos) << error.text;
+  EXPECT_THROW(static_cast<void>(MeshSequence::open(std::vector<std::filesystem::path>())), std::invalid_argument);
+  EXPECT_EQ(MeshSequence::open(std::vector{files[0], write("2.obj", tetrahedron_obj())}).error().where, 1U);
+}
+
+TEST_F(Sequence, closed_parts_of_stl_files_stay_closed_when_they_part) {
+  const auto two_tetrahedra = [](const char* x) {
+    std::string moved = tetrahedron_stl_text();
+    for (std::size_t at = 0; (at = moved.find("vertex ", at)) != moved.npos; at += 7) moved.insert(at + 7, x);
+    return tetrahedron_stl_text() + moved;  // vertices at 0 and 1 along x go to 10 and 11, or to -0 and -1
+  };
+  const MeshSequence frames =
+      MeshSequence::open(std::vector{write("0.stl", two_tetrahedra("-")), write("1.stl", two_tetrahedra("1"))}).value();
+  EXPECT_EQ(frames.first().mesh.positions().size(), 8U);
+  EXPECT_TRUE(frames.first().mesh.is_closed());
+  EXPECT_EQ(frames.first().parts, (std::vector<std::string>(2, "four corners")));
+  EXPECT_EQ(frames.first().part_of_triangle, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1}));
+}
+
+/// Frames of random vertices on a small grid, moved a little where there is a tolerance. Welds as they are defined.
+TEST_F(Sequence, welds_what_is_together_in_every_frame) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 60; ++round) {
+    const double tolerance = round % 2 == 0 ? 0 : 0.5;
+    std::vector<std::filesystem::path> files;
+    std::vector<Positions> frames;
+    for (int f = 0; f < 1 + round % 3; ++f) {
+      std::string bytes;
+      frames.emplace_back();
+      for (int v = 0; v < 24; ++v) {
+        Vec3 p;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          p[axis] = (f == 0 ? 1 : 7) * static_cast<int>(random() % 2) + tolerance * static_cast<int>(random() % 3) / 4;
+        frames.back().push_back(p);
+        bytes += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+      }
+      files.push_back(
+          write(std::to_string(round) + "_" + std::to_string(f) + ".obj", bytes + "o a\nf 1 2 3\no b\nf 4 5 6\n"));
+    }
+    const bool parts = round % 4 < 2;
+    const MeshFile file = MeshSequence::open(files, {.weld_tolerance = tolerance, .parts = parts}).value().first();
+    const auto part = [&](std::size_t v) { return !parts ? 0 : v < 3 ? 1 : v < 6 ? 2 : 0; };
+    const auto together = [&](std::size_t v, std::size_t u) {
+      return part(v) == part(u) && std::all_of(frames.begin(), frames.end(),
+                                               [&](const Positions& p) { return length(p[v] - p[u]) <= tolerance; });
+    };
+    std::vector<VertexId> first_of, expected;  // where there is one frame, or no tolerance
+    for (VertexId v = 0; v < 24; ++v) {
+      const auto first = std::find_if(first_of.begin(), first_of.end(), [&](VertexId u) { return together(v, u); });
+      expected.push_back(static_cast<VertexId>(first - first_of.begin()));
+      if (first == first_of.end()) first_of.push_back(v);
+    }
+    if (files.size() == 1 || tolerance == 0) {
+      EXPECT_EQ(file.vertex_of_file_vertex, expected) << round;
+    }
+    std::vector<VertexId> firsts(24, no_id);
+    for (VertexId v = 0; v < 24; ++v) {
+      VertexId& first = firsts[file.vertex_of_file_vertex[v]];
+      first = std::min(first, v);
+      EXPECT_TRUE(together(v, first)) << round << " " << v;
+      EXPECT_EQ(file.mesh.positions()[file.vertex_of_file_vertex[v]], frames[0][first]);
+    }
+  }
 }
 
 TEST_F(Sequence, every_format_can_be_a_frame_of_its_own_kind) {

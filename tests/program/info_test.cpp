@@ -34,6 +34,21 @@ TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
   EXPECT_EQ(json["tree"]["levels"], 1);
 }
 
+TEST(ProgramInfo, TellsOfEachPart) {
+  const Folder folder;
+  const std::string file = folder.store("parts.obj",
+                                        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                        "o lid\nf 1 2 3\no pot\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  const nlohmann::json parts = json_of("info " + file)["parts"];
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[0]["name"], "lid");
+  EXPECT_EQ(parts[0]["extent"]["high"], (std::vector<double>{1, 1, 0}));
+  EXPECT_EQ(parts[0]["closed"], false);
+  EXPECT_EQ(parts[1]["triangles"], 4);
+  EXPECT_EQ(parts[1]["closed"], true);
+  EXPECT_NE(answer_to("info " + file).find("  pot: 4 triangles, 0 0 0 to 1 1 1, closed\n"), std::string::npos);
+}
+
 TEST(ProgramInfo, FindsNothingWrongWithABall) {
   const nlohmann::json json = json_of("info scene:ball");
   EXPECT_EQ(json["triangles"], 1024);

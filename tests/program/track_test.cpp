@@ -245,6 +245,17 @@ TEST(ProgramTrack, LoopsRepeatTheSequence) {
   EXPECT_EQ(rows[3]["moved_vertices"], 81);
 }
 
+TEST(ProgramTrack, PartsThatTouchInTheFirstFrameMayPart) {
+  const Folder folder;
+  const auto two_triangles = [](const std::string& x) {
+    return "v 0 0 0\nv 1 0 0\nv 1 1 0\nv " + x + " 0 0\nv " + x + " 1 0\nv 9 0 0\nf 1 2 3\nf 4 6 5\n";
+  };
+  const std::string probe = folder.store("probe.obj", "v 3 0 0\nv 3 0 1\nv 3 1 1\nf 1 2 3\n");
+  const std::string frames =
+      folder.store("0.obj", two_triangles("1")) + " " + folder.store("1.obj", two_triangles("5"));
+  EXPECT_EQ(json_rows_of("track --b " + probe + " --a " + frames)[1]["upper"], 2);
+}
+
 TEST(ProgramTrack, ErrorsOfLaterFramesKeepEarlierRows) {
   const Folder folder;
   Words waves = stored_waves(folder, 3);

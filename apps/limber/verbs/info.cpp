@@ -51,11 +51,35 @@ std::size_t count_unreferenced(const Mesh& mesh) {
   return static_cast<std::size_t>(std::count(is_referenced.begin(), is_referenced.end(), false));
 }
 
+/// A part of the file, by itself.
+struct PartInfo {
+  std::string name;
+  std::size_t triangles = 0;
+  Box box;
+  bool is_closed = false;
+};
+
+std::vector<PartInfo> examine_parts(const MeshFile& file) {
+  std::vector<std::vector<Corners>> triangles(file.parts.size());
+  for (TriangleId t = 0; t < file.part_of_triangle.size(); ++t) {
+    triangles[file.part_of_triangle[t]].push_back(file.mesh.triangles()[t]);
+  }
+  std::vector<PartInfo> parts;
+  for (std::size_t p = 0; p < triangles.size(); ++p) {
+    const MeshView part{file.mesh.positions(), triangles[p]};
+    if (!triangles[p].empty()) {  // faces of fewer than three corners may be all it has
+      parts.push_back({file.parts[p], triangles[p].size(), box_of(part), count_edges(part).are_closed()});
+    }
+  }
+  return parts;
+}
+
 struct Info {
   std::size_t vertices = 0, triangles = 0, faces = 0;
   Box box;
   EdgeCounts edges;
   std::size_t degenerate = 0, duplicates = 0, unreferenced = 0;
+  std::vector<PartInfo> parts;
   TreeStats tree;
   double load_us = 0, build_us = 0;
 
@@ -74,6 +98,7 @@ Info examine(const std::string& argument) {
   info.faces = file.face_count;
   info.box = box_of(mesh);
   info.edges = count_edges(mesh);
+  info.parts = examine_parts(file);
   info.degenerate = count_degenerate(mesh);
   info.duplicates = count_duplicates(mesh);
   info.unreferenced = count_unreferenced(mesh);
@@ -86,6 +111,13 @@ Info examine(const std::string& argument) {
 }
 
 Json as_json(const Info& info) {
+  Json parts = Json::array();
+  for (const PartInfo& part : info.parts) {
+    parts.push_back({{"name", part.name},
+                     {"triangles", part.triangles},
+                     {"extent", {{"low", to_json(part.box.low)}, {"high", to_json(part.box.high)}}},
+                     {"closed", part.is_closed}});
+  }
   return {
       {"query", "info"},
       {"vertices", info.vertices},
@@ -98,6 +130,7 @@ Json as_json(const Info& info) {
       {"degenerate_triangles", info.degenerate},
       {"duplicate_triangles", info.duplicates},
       {"unreferenced_vertices", info.unreferenced},
+      {"parts", std::move(parts)},
       {"tree",
        {{"levels", info.tree.levels},
         {"nodes", info.tree.nodes},
@@ -122,6 +155,12 @@ void write_lines(const Info& info) {
   write_line("degenerate triangles   {}", info.degenerate);
   write_line("duplicate triangles    {}", info.duplicates);
   write_line("unreferenced vertices  {}", info.unreferenced);
+  write_line("parts                  {}", info.parts.size());
+  for (const PartInfo& part : info.parts) {
+    if (info.parts.size() == 1 && part.name.empty()) break;
+    write_line("  {}: {} triangles, {} to {}, {}", part.name.empty() ? "(no name)" : part.name, part.triangles,
+               to_text(part.box.low, " "), to_text(part.box.high, " "), part.is_closed ? "closed" : "open");
+  }
   write_line("tree levels            {}", info.tree.levels);
   write_line("tree nodes             {}, {} of them leaves", info.tree.nodes, info.tree.leaves);
   write_line("tree size              {} bytes, {:.1f} per triangle", info.tree.bytes, info.bytes_per_triangle());
@@ -149,6 +188,7 @@ Verb add_info(CLI::App& app) {
 Counts are of the mesh as the engine sees it: faces split into triangles and, in files, vertices at equal positions
 shared. Open edges belong to one triangle, non-manifold edges to more than two; a mesh with neither is closed.
 Degenerate triangles have no area, decided exactly; duplicates have the corners of an earlier triangle in any order.
+Parts are objects or groups of OBJ files, solids of STL texts and nodes of glTF scenes, each looked at by itself.
 The extent is that of the triangles, in the mesh's length unit. Times are in microseconds.
 )");
   return {&command, [arguments] { return run(*arguments); }};

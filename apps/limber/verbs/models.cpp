@@ -172,8 +172,13 @@ MeshFile load_mesh_argument(const std::string& argument) {
   const std::size_t face_count = face_of_triangle.size();
   std::vector<VertexId> vertices(mesh.positions().size());
   std::iota(vertices.begin(), vertices.end(), VertexId{0});
-  return {std::move(mesh),       std::move(face_of_triangle), face_count, std::move(vertices),
-          {std::string()}, std::vector<std::uint32_t>(face_count), {}};
+  return {std::move(mesh),
+          std::move(face_of_triangle),
+          face_count,
+          std::move(vertices),
+          {std::string()},
+          std::vector<std::uint32_t>(face_count),
+          {}};
 }
 
 RigidModel::RigidModel(MeshFile file, Engine engine)

@@ -15,17 +15,18 @@ namespace limber::program {
 
 MeshFrames::MeshFrames(std::vector<std::string> arguments) : arguments_(std::move(arguments)) {
   const std::string& first_argument = arguments_.front();
-  if (is_scene(first_argument)) {
-    scene_ = load_mesh_argument(first_argument);
-  } else {
-    sequence_ = value_or_bad_input(MeshSequence::open(first_argument));
-    for (const std::filesystem::path& path : sequence_->first().files) add_input(path);
-  }
   for (const std::string& argument : arguments_) {
-    if (!scene_) add_input(argument);
-    if (is_scene(argument) == scene_.has_value()) continue;
+    if (!is_scene(argument)) add_input(argument);
+    if (is_scene(argument) == is_scene(first_argument)) continue;
     throw BadInput(fmt::format("{} and {}: frames are either files or scenes, not both", first_argument, argument));
   }
+  if (is_scene(first_argument)) {
+    scene_ = load_mesh_argument(first_argument);
+    return;
+  }
+  const std::vector<std::filesystem::path> files(arguments_.begin(), arguments_.end());
+  sequence_ = value_or_bad_input(MeshSequence::open(files));
+  for (const std::filesystem::path& path : sequence_->first().files) add_input(path);
 }
 
 std::vector<Vec3> MeshFrames::positions(std::size_t frame) const {

@@ -25,7 +25,7 @@ struct ModelArguments {
 /// Errors   BadInput, from every function that reads.
 class MeshFrames {
  public:
-  /// Reads the first frame. Pre: there is at least one argument.
+  /// Reads the first frame, and all others if vertices of the first are welded. Pre: there is at least one argument.
   explicit MeshFrames(std::vector<std::string> arguments);
 
   std::size_t count() const { return arguments_.size(); }

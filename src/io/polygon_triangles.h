@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "io/soup.h"
+
+namespace limber::io {
+
+/// Splits faces into triangles, k - 2 for k corners.
+///
+/// Every edge of the face belongs to one triangle, every other edge to two, so triangles are as closed as faces. They
+/// keep the face's direction, and cover the same place wherever the face starts.
+class PolygonTriangles {
+ public:
+  explicit PolygonTriangles(std::span<const Vec3> positions) : positions_(positions) {}
+
+  /// Corners of triangles as indices into `face`, three each. A face is looked at in the coordinate plane that its
+  /// normal is closest to. Where the fan of its first corner stays in the face, this is it; otherwise it is cut into
+  /// ears, decided exactly. Faces that cross themselves or have no area are cut in some way.
+  ///
+  /// Errors   `too_large` naming the face, once all faces together have taken `mesh_file_limits::corner_tests`.
+  Result<std::span<const std::uint32_t>> split(std::span<const std::uint32_t> face, std::size_t number);
+
+ private:
+  /// +1 where three corners turn as the face does.
+  int turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
+  /// Whether the triangle at a corner is in the face: a convex corner, and no other corner is in it or on it.
+  bool is_ear(std::uint32_t corner);
+  void cut_ears();
+
+  std::span<const Vec3> positions_;
+  std::span<const std::uint32_t> face_;
+  std::size_t axis_ = 0;                    // the coordinate that is left out
+  int direction_ = 0;                       // of the face in the plane of the others
+  std::vector<std::uint32_t> next_, prev_;  // corners that are left, in a ring
+  std::vector<bool> is_convex_;
+  std::vector<std::uint32_t> triangles_;
+  std::uint64_t test_count_ = 0;
+};
+
+}  // namespace limber::io
