@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 
@@ -33,8 +32,7 @@ CLI::Option* add_json(CLI::App& command, bool& target, const std::string& descri
 
 void add_table(CLI::App& command, std::string& target, const std::string& description) {
   command.add_option("--out", target, description + ", as CSV; - for standard output, which then has nothing else")
-      ->type_name("FILE")
-      ->transform(short_name);
+      ->type_name("FILE");
 }
 
 void check_table(const CLI::App& command) {

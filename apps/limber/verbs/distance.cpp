@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "command/options.h"
-#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -216,8 +215,7 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
       .add_option("--out", arguments->out,
                   "with --pairs and --parts: where the answer is written, - for standard output")
       ->type_name("FILE")
-      ->capture_default_str()
-      ->transform(short_name);
+      ->capture_default_str();
   add_report(command, arguments->report,
              "also write a page that shows the answer: both meshes, a section, their distance in colours; or all "
              "pairs, the worst first");

@@ -165,8 +165,7 @@ Verb add_points(CLI::App& app) {
       ->type_name("LENGTH");
   command.add_option("--out", arguments->out, "where the answer is written, - for standard output")
       ->type_name("FILE")
-      ->capture_default_str()
-      ->transform(short_name);
+      ->capture_default_str();
   add_json(command, arguments->json, "answer with a JSON object for each point instead of CSV");
   PointsArguments all;
   all.is_signed = all.has_winding_number = true;

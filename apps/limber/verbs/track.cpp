@@ -317,8 +317,7 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
   command.add_option("--out", arguments->out, "where the answer is written, - for standard output")
       ->type_name("FILE")
-      ->capture_default_str()
-      ->transform(short_name);
+      ->capture_default_str();
   CLI::Option* const report =
       add_report(command, arguments->report,
                  "also write a page that plays the frames, with charts of distances, times and contacts");
