@@ -41,7 +41,7 @@ export function showStudy(data: StudyData): void {
   byId(study.kind === 'parts' ? 'charts-section' : 'matrix-section').remove();
   if (study.kind === 'parts' && !isMatrix) byId('matrix-section').remove();
   if (order.length === 0) {
-    for (const part of document.querySelectorAll('.pair, section:has(#answer)')) part.remove();
+    for (const part of document.querySelectorAll('.pair, section:has(#answer), #matrix-section')) part.remove();
     return;
   }
   const select = (row: number): void => {

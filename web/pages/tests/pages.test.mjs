@@ -102,7 +102,7 @@ before(async () => {
   study('parts', '--parts', [partHeads, ...partRows], '--min-clearance', '0.5', '--title', 'All <parts>');
   study('far', '--parts', [partHeads, `a,${box},0`, `b,${box},9`], '--max-distance', '2', '--min-clearance', '1');
   const accept = folder.store('accept.csv', 'name_a,name_b,allowed\nroom,box,all\n');
-  study('accepted', '--parts', [partHeads, ...partRows.slice(0, 2)], '--accept', accept);
+  study('accepted', '--parts', [partHeads, ...partRows.slice(0, 3)], '--accept', accept);
   const demo = (name, ...words) => limber('demo', '--json', '--report', path(name), ...words);
   demo('usual');
   demo('few', '--frames', '30', '--relative-error', '0.3', '--no-check');
@@ -448,8 +448,8 @@ test('a page of parts that are far apart says so, and has no pair', async () => 
 
 test('accepted pairs are told, and a chart has a line for each two models', async () => {
   const page = await look('accepted');
-  assert.deepEqual((await tileTexts(page)).at(-1), '1pair is accepted');
-  assert.ok((await page.$$eval('#rows-kinds button', (all) => all.map((b) => b.textContent))).includes('Accepted 1'));
+  assert.deepEqual((await tileTexts(page)).at(-1), '2pairs are accepted');
+  assert.ok((await page.$$eval('#rows-kinds button', (all) => all.map((b) => b.textContent))).includes('Accepted 2'));
   await page.close();
   const mixed = await look('mixed');
   await mixed.locator('.u-over').hover({ position: { x: 2, y: 90 } });
