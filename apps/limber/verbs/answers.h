@@ -72,8 +72,8 @@ struct DistanceAnswer {
 };
 
 /// The answer of `ask`, which takes the options of a distance and gives it. Where a clearance, more or less `error`,
-/// lies in the interval that the errors allow, it is asked once more without them, so that whether the models are closer
-/// is as true as an exact distance says.
+/// lies in the interval that the errors allow, it is asked once more without them, so that whether the models are
+/// closer is as true as an exact distance says.
 template <typename Ask>
 DistanceResult decided_distance(const DistanceOptions& options, const std::optional<double>& clearance, Ask ask,
                                 double error = 0) {

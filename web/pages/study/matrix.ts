@@ -54,7 +54,8 @@ export class Matrix {
       const accepted = rows.accepted[row] !== null;
       const button = element('button', `${clash}${accepted ? ' accepted' : ''}`, symbols[clash]);
       const names = `${partName(study, line)} and ${partName(study, column)}`;
-      button.title = `${names}: ${clashWords[clash].toLowerCase()}, ${shownDistance(study, row)}${accepted ? ', accepted' : ''}`;
+      const kind = `${clashWords[clash].toLowerCase()}${accepted ? ', accepted' : ''}`;
+      button.title = `${names}: ${kind}, ${shownDistance(study, row)}`;
       button.setAttribute('aria-label', button.title);
       button.tabIndex = -1;
       button.dataset.row = String(row);

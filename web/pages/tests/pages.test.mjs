@@ -101,8 +101,6 @@ before(async () => {
   const partHeads = 'name,model,pose_tx';
   study('parts', '--parts', [partHeads, ...partRows], '--min-clearance', '0.5', '--title', 'All <parts>');
   study('far', '--parts', [partHeads, `a,${box},0`, `b,${box},9`], '--max-distance', '2', '--min-clearance', '1');
-  const accept = folder.store('accept.csv', 'name_a,name_b,allowed\nroom,box,all\n');
-  study('accepted', '--parts', [partHeads, ...partRows.slice(0, 3)], '--accept', accept);
   const demo = (name, ...words) => limber('demo', '--json', '--report', path(name), ...words);
   demo('usual');
   demo('few', '--frames', '30', '--relative-error', '0.3', '--no-check');
@@ -413,6 +411,10 @@ test('the list is parted by kinds of clashes', async () => {
   await page.click('#rows-kinds button:nth-child(1)');
   assert.equal((await listed(page)).length, 5);
   assert.equal(await page.textContent('#title'), '5 pairs of 5 models');
+  const far = await look('far');
+  assert.deepEqual(await tileTexts(far), ['Noneof the parts are within 2 of each other']);
+  assert.equal(await far.locator('.pair, #matrix, #answer').count(), 0);
+  await far.close();
   await page.close();
 });
 
@@ -437,25 +439,6 @@ test('a matrix of parts has the word of each pair, and shows it', async () => {
     assert.equal(await page.textContent('#subtitle'), '5 parts');
     await page.close();
   }
-});
-
-test('a page of parts that are far apart says so, and has no pair', async () => {
-  const page = await look('far');
-  assert.deepEqual(await tileTexts(page), ['Noneof the parts are within 2 of each other']);
-  assert.equal(await page.locator('.pair, #matrix, #answer').count(), 0);
-  await page.close();
-});
-
-test('accepted pairs are told, and a chart has a line for each two models', async () => {
-  const page = await look('accepted');
-  assert.deepEqual((await tileTexts(page)).at(-1), '2pairs are accepted');
-  assert.ok((await page.$$eval('#rows-kinds button', (all) => all.map((b) => b.textContent))).includes('Accepted 2'));
-  await page.close();
-  const mixed = await look('mixed');
-  await mixed.locator('.u-over').hover({ position: { x: 2, y: 90 } });
-  assert.equal(await mixed.getAttribute('.u-over', 'title'), '0: box.obj and scene:ball');
-  assert.ok(await mixed.isChecked('#see-through'));
-  await mixed.close();
 });
 
 test('the cell of a pair that a reader chooses is brought into sight', async () => {
