@@ -50,7 +50,7 @@ class Study {
   Json to_json();
 
  private:
-  /// What is smaller is worse: the kind; how deep a clash is, as a negative number; both bounds; the number in the table.
+  /// What is smaller is worse: the kind; minus how deep a clash is; both bounds; the number in the table.
   using Badness = std::array<double, 5>;
   struct Row {
     Badness badness;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> accept_columns = {"name_a", "name_b", "allowed"};
 
-/// Whether a pattern with * and ? is that of a name. Each * takes as little as will do; no earlier one has to take more.
+/// Whether a pattern with * and ? is that of a name. Each * takes as little as will do; none has to take more.
 bool matches(std::string_view pattern, std::string_view name) {
   std::size_t p = 0, n = 0, after_star = std::string_view::npos, resumed = 0;
   while (n < name.size()) {

@@ -135,7 +135,8 @@ Example, pairs.csv:
 Cells are empty, and null in JSON: too_close without --min-clearance and where meshes cannot tell, inside where neither
 model is inside the other without touching it, solids where a model is not closed, depth there and where volumes do not
 overlap, accepted where no line of --accept does, upper and the witness where status is beyond_limit. JSON
-has the names of the columns, and an object witness or null: point_a and point_b, arrays of three numbers, triangle_a, triangle_b, face_a, face_b. For one pair build_us is the time for both trees.
+has the names of the columns, and an object witness or null: point_a and point_b, arrays of three numbers, triangle_a,
+triangle_b, face_a, face_b. For one pair build_us is the time for both trees.
 Columns of the answer, where row counts from 0; with --parts part_a, part_b, name_a and name_b are in place of the
 models:
 
