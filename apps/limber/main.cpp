@@ -212,6 +212,7 @@ Exit status:
   1  the program has failed, or the answer could not be written
   2  bad usage or bad input; one line on standard error says what and where
   3  there is an answer, and something was found; only where options say so
+  4  the same, but it is open whether something is found, because of --mesh-error
 
 Examples:
 

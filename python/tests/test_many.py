@@ -104,7 +104,7 @@ def test_bad_poses_are_named_by_their_index(ball: limber3d.Model) -> None:
         limber3d.collide_many(ball, ball, random_poses(1, 10), poses[:3])
     with pytest.raises(ValueError, match=r"poses_a: .* got shape \(10, 3, 4\)"):
         limber3d.collide_many(ball, ball, random_poses(1, 10)[:, :3])
-    with pytest.raises(ValueError, match=r"poses_a\[0\]: the matrix is no rigid motion"):
+    with pytest.raises(ValueError, match=r"poses_a\[0\]: the matrix is not rigid"):
         limber3d.collide_many(ball, ball, (numpy.ones((2, 3, 3)), numpy.zeros((2, 3))))
 
 

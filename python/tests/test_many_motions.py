@@ -118,7 +118,7 @@ def test_bad_motions_are_named(ball: limber3d.Model, many: Any) -> None:
     mirrored = STARTS_A.copy()
     mirrored[7, :3, 0] *= -1
     for name in ("starts_a", "ends_a", "starts_b", "ends_b"):
-        with pytest.raises(ValueError, match=rf"^{name}\[7\]: the matrix is no rigid motion"):
+        with pytest.raises(ValueError, match=rf"^{name}\[7\]: the matrix is not rigid"):
             many(ball, ball, **{name: mirrored})
         with pytest.raises(ValueError, match=rf"^{name}: .* got shape \(300, 3, 4\)"):
             many(ball, ball, **{name: STARTS_A[:, :3]})

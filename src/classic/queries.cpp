@@ -35,8 +35,7 @@ void check_placed(const Placed& a, const Placed& b) {
     LIMBER_REQUIRE(placed->model().is_committed(),
                    "limber::classic: a query needs committed models; one has moves without a commit(), "
                    "or has been moved from");
-    LIMBER_REQUIRE(geometry::is_rigid(placed->pose),
-                   "limber::classic: a query needs rigid poses; a model's pose is not (see is_rigid())");
+    geometry::require_rigid(placed->pose, "limber::classic: the pose of a model");
   }
 }
 

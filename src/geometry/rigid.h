@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "limber/math.h"
 
 namespace limber::geometry {
@@ -17,6 +19,16 @@ inline bool is_rigid(const Transform& transform) {
   const Vec3 errors{std::abs(length_sq(r.row0) - 1), std::abs(length_sq(r.row1) - 1), std::abs(dot(r.row0, r.row1))};
   return is_at_most(errors, tolerance) && is_at_most(abs(cross(r.row0, r.row1) - r.row2), tolerance) &&
          is_at_most(abs(transform.translation), max_coordinate);
+}
+
+/// What keeps a transform from being rigid, as a sentence goes on after its name: "is not rigid: it scales by 1.1".
+/// Pre: is_rigid() does not hold.
+std::string why_not_rigid(const Transform& transform);
+
+/// Throws std::invalid_argument, which says why, unless `transform`, which is called `name`, is rigid.
+void throw_not_rigid(const Transform& transform, const std::string& name);
+inline void require_rigid(const Transform& transform, const char* name) {
+  if (!geometry::is_rigid(transform)) throw_not_rigid(transform, name);
 }
 
 /// An upper bound of how much a rotation stretches any vector: 1 if it is exact, a little more after rounding.

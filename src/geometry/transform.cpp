@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <span>
+#include <string>
 
 #include "base/check.h"
 #include "base/float_environment.h"
@@ -21,7 +23,43 @@ Vec3 orthonormality_errors(const Mat3& rotation) {
   return {std::abs(dot(x, x) - 1) + xy + zx, std::abs(dot(y, y) - 1) + xy + yz, std::abs(dot(z, z) - 1) + yz + zx};
 }
 
+/// In six digits.
+std::string text_of(double number) {
+  std::array<char, 32> text{};
+  const auto [end, error] = std::to_chars(text.begin(), text.end(), number, std::chars_format::general, 6);
+  return {text.begin(), end};
+}
+
 }  // namespace
+
+std::string geometry::why_not_rigid(const Transform& transform) {
+  const Mat3& r = transform.rotation;
+  const std::string no = "is not rigid: ";
+  if (!is_finite(r.row0) || !is_finite(r.row1) || !is_finite(r.row2) || !is_finite(transform.translation)) {
+    return no + "an entry is not finite";
+  }
+  if (!(max_abs(transform.translation) <= max_coordinate)) return no + "its translation is too large";
+  constexpr double rounded = 1e-4;  // what float32 leaves of a rotation that was chained a thousand times
+  const double error = max_abs(orthonormality_errors(r));
+  const bool mirrors = dot(cross(r.row0, r.row1), r.row2) < 0;
+  if (error < rounded && !mirrors) {
+    return no + "its rotation is off by " + text_of(error) + ", and 1e-9 is allowed; orthonormalized() mends that";
+  }
+  const Mat3 columns = transpose(r);
+  const Vec3 scale{length(columns.row0), length(columns.row1), length(columns.row2)};
+  const auto is_uniform = [](const Vec3& s) { return max_abs(s - Vec3{s.x, s.x, s.x}) <= rounded * s.x; };
+  std::string what = mirrors ? "it mirrors" : "it shears";
+  if (max_abs(scale - Vec3{1, 1, 1}) >= rounded) {
+    what = "it scales by " + text_of(scale.x);
+    if (!is_uniform(scale)) what += ", " + text_of(scale.y) + " and " + text_of(scale.z) + " along x, y and z";
+    if (mirrors) what += ", and mirrors";
+  }
+  return no + what + "; that belongs into the vertices";
+}
+
+void geometry::throw_not_rigid(const Transform& transform, const std::string& name) {
+  base::throw_invalid_argument((name + ' ' + why_not_rigid(transform)).c_str());
+}
 
 double geometry::max_stretch(const Mat3& rotation) {
   // |R v|^2 = v.v + v.(R^T R - I) v <= (1 + e) |v|^2; the last term covers the rounding of e itself.
@@ -73,7 +111,7 @@ Result<Transform> transform_from_matrix(std::span<const double, 16> matrix, Matr
     return Error{ErrorCode::not_rigid, "the last row of the matrix is not 0 0 0 1", {}};
   }
   if (!geometry::is_rigid(transform)) {
-    return Error{ErrorCode::not_rigid, "the matrix is no rigid motion (see is_rigid() and orthonormalized())", {}};
+    return Error{ErrorCode::not_rigid, "the matrix " + geometry::why_not_rigid(transform), {}};
   }
   return transform;
 }

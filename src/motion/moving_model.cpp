@@ -54,8 +54,8 @@ Result<void> MovingModel::set_motion(std::span<const Vec3> end_positions, const 
   LIMBER_REQUIRE(model.is_committed(),
                  "limber::MovingModel::set_motion: the model has moves without a commit(), "
                  "or has been moved from");
-  LIMBER_REQUIRE(geometry::is_rigid(start_pose) && geometry::is_rigid(end_pose),
-                 "limber::MovingModel::set_motion: a pose is not rigid (see is_rigid())");
+  geometry::require_rigid(start_pose, "limber::MovingModel::set_motion: start_pose");
+  geometry::require_rigid(end_pose, "limber::MovingModel::set_motion: end_pose");
   if (auto valid = check_update_of_all(model.mesh(), end_positions); !valid) return valid;
   const bvh::Tree& tree = Access::impl(model).tree;
   impl_->has_motion = false;

@@ -36,10 +36,8 @@ PlacedPair::PlacedPair(const Placed& a, const Placed& b)
   LIMBER_REQUIRE(has_its_surface(b.body()),
                  "limber: model b of a query was reset() after it was made a solid, so ClosedSurface::create() must "
                  "check it again");
-  LIMBER_REQUIRE(geometry::is_rigid(a.pose),
-                 "limber: a query needs rigid poses; the pose of model a is not (see is_rigid())");
-  LIMBER_REQUIRE(geometry::is_rigid(b.pose),
-                 "limber: a query needs rigid poses; the pose of model b is not (see is_rigid())");
+  geometry::require_rigid(a.pose, "limber: the pose of model a");
+  geometry::require_rigid(b.pose, "limber: the pose of model b");
   const Model::Impl &model_a = Access::impl(a.model()), &model_b = Access::impl(b.model());
   sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
   sides_[1] = {&model_b.tree, model_b.mesh, b.pose};

@@ -80,8 +80,8 @@ Vec3 quaternion_of(const Mat3& m, double& real) {
 
 RigidMotion::RigidMotion(const Transform& start, const Transform& end, const Vec3& center) : center_(center) {
   const base::DefaultFloatEnvironment environment;
-  LIMBER_REQUIRE(geometry::is_rigid(start) && geometry::is_rigid(end),
-                 "limber::RigidMotion: a pose is not rigid (see is_rigid())");
+  geometry::require_rigid(start, "limber::RigidMotion: start");
+  geometry::require_rigid(end, "limber::RigidMotion: end");
   LIMBER_REQUIRE(is_finite(center) && max_abs(center) <= max_coordinate,
                  "limber::RigidMotion: a coordinate of the center is not finite, or above 2^200");
   start_ = without_skew(start), end_ = without_skew(end);

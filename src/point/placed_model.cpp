@@ -33,8 +33,7 @@ const Model::Impl& checked(const Placed& placed) {
   LIMBER_REQUIRE(has_its_surface(placed.body()),
                  "limber: the model of a query was reset() after it was made a solid, so ClosedSurface::create() must "
                  "check it again");
-  LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
-                 "limber: a query needs a rigid pose; that of the model is not (see is_rigid())");
+  geometry::require_rigid(placed.pose, "limber: the pose of the model");
   return Access::impl(placed.model());
 }
 

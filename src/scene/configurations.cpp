@@ -42,7 +42,7 @@ void check_configurations(const Scene::Impl& scene, const Configurations& all, c
   for (std::size_t i = 0; i < all.poses.size(); ++i) {
     if (geometry::is_rigid(all.poses[i])) continue;
     const std::string list = text("poses[") + std::to_string(i / all.ids.size()) + "]";
-    base::throw_invalid_entry(list.c_str(), i % all.ids.size(), "is not rigid (see is_rigid())");
+    base::throw_invalid_entry(list.c_str(), i % all.ids.size(), geometry::why_not_rigid(all.poses[i]).c_str());
   }
 }
 

@@ -63,8 +63,7 @@ void Scene::set_pose(ObjectId id, const Transform& world_from_model) {
   const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("set_pose");
   LIMBER_REQUIRE(scene.contains(id), "limber::Scene::set_pose: id names no object of the scene");
-  LIMBER_REQUIRE(geometry::is_rigid(world_from_model),
-                 "limber::Scene::set_pose: the pose is not rigid (see is_rigid())");
+  geometry::require_rigid(world_from_model, "limber::Scene::set_pose: the pose");
   scene.set_pose(id, world_from_model);
   scene.is_changed = true;
 }
@@ -76,7 +75,7 @@ void Scene::set_poses(std::span<const ObjectId> ids, std::span<const Transform> 
   for (std::size_t i = 0; i < ids.size(); ++i) {
     LIMBER_REQUIRE_ENTRY(scene.contains(ids[i]), "limber::Scene::set_poses: ids", i, "names no object of the scene");
     LIMBER_REQUIRE_ENTRY(geometry::is_rigid(poses[i]), "limber::Scene::set_poses: poses", i,
-                         "is not rigid (see is_rigid())");
+                         geometry::why_not_rigid(poses[i]).c_str());
   }
   for (std::size_t i = 0; i < ids.size(); ++i) scene.set_pose(ids[i], poses[i]);
   scene.is_changed = scene.is_changed || !ids.empty();
@@ -183,7 +182,7 @@ void scene::check_placed(const Placed& model, const char* function) {
   LIMBER_REQUIRE(model.model().is_committed(),
                  text("the model has moves that are not committed, or has been moved from").c_str());
   LIMBER_REQUIRE(has_its_surface(model.body()), text("the model was reset() after it was made a solid").c_str());
-  LIMBER_REQUIRE(geometry::is_rigid(model.pose), text("the pose is not rigid (see is_rigid())").c_str());
+  if (!geometry::is_rigid(model.pose)) geometry::throw_not_rigid(model.pose, text("the pose"));
 }
 
 PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisitor visit,

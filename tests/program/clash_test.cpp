@@ -144,10 +144,11 @@ TEST(ProgramClash, PartsInCavitiesAreClear) {
   EXPECT_EQ(json_of(start + "2,4,4,1,0,0,0")["clash"], "touching");
   EXPECT_EQ(json_of(start + "1,4,4,1,0,0,0")["solids"], "b_inside_a");
   EXPECT_EQ(json_of(start + "1.5,4,4,1,0,0,0")["solids"], "overlapping");
-  EXPECT_EQ(json_of(start + "1,4,4,1,0,0,0")["max_depth"], 1);
-  EXPECT_EQ(json_of(start + "1.5,4,4,1,0,0,0")["max_depth"], 0.5);
-  EXPECT_TRUE(json_of(start + "2,4,4,1,0,0,0")["max_depth"].is_null());
-  EXPECT_NE(answer_to(start + "1.5,4,4,1,0,0,0").find("\nclash     hard clash\nmax depth 0.5\n"), std::string::npos);
+  EXPECT_EQ(json_of(start + "1,4,4,1,0,0,0")["depth"], 1);
+  EXPECT_EQ(json_of(start + "1.5,4,4,1,0,0,0")["depth"], 0.5);
+  EXPECT_TRUE(json_of(start + "2,4,4,1,0,0,0")["depth"].is_null());
+  EXPECT_NE(answer_to(start + "1.5,4,4,1,0,0,0").find("\nclash     hard clash\ndepth     at least 0.5\n"),
+            std::string::npos);
 }
 
 TEST(ProgramClash, IsWhatSurfacesTellWhereAModelIsOpen) {

@@ -41,7 +41,7 @@ TEST(ProgramPairs, AnswersEachRowAsTheVerbAnswersThePair) {
     const std::string line = "distance --engine " + engine + ' ', csv = answer_to(line + "--pairs " + file);
     EXPECT_EQ(lines_of(csv).front(),
               "row,model_a,model_b,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-              "triangle_a,triangle_b,face_a,face_b,too_close,inside,clash,solids,max_depth,query_us,node_tests,"
+              "triangle_a,triangle_b,face_a,face_b,too_close,inside,clash,solids,depth,accepted,query_us,node_tests,"
               "primitive_tests");
     const std::vector<Row> rows = table_of(csv);
     const std::vector<nlohmann::json> objects = json_lines_of(run(line + "--json --pairs " + file));
@@ -52,7 +52,7 @@ TEST(ProgramPairs, AnswersEachRowAsTheVerbAnswersThePair) {
       nlohmann::json object = objects[r];
       const nlohmann::json alone = json_of(line + questions[r]);
       for (const char* key : {"status", "lower", "upper", "witness", "too_close", "inside", "clash", "solids",
-                              "max_depth", "node_tests"}) {
+                              "depth", "node_tests"}) {
         EXPECT_EQ(object[key], alone[key]) << key;
       }
       EXPECT_EQ(object["row"], r);

@@ -18,7 +18,7 @@ const std::string raised_ball = " scene:ball scene:square --pose-a ";
 
 TEST(ProgramDistance, PrintsExactlyTheDocumentedKeys) {
   const nlohmann::json json = json_of("distance scene:ball scene:square");
-  EXPECT_EQ(keys_of(json), (Words{"build_us", "clash", "inside", "lower", "max_depth", "node_tests", "primitive_tests",
+  EXPECT_EQ(keys_of(json), (Words{"build_us", "clash", "depth", "inside", "lower", "node_tests", "primitive_tests",
                                   "query", "query_us", "solids", "status", "too_close", "upper", "witness"}));
   EXPECT_EQ(keys_of(json["witness"]), witness_keys);
   EXPECT_EQ(json["query"], "distance");

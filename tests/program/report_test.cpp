@@ -100,7 +100,7 @@ TEST(ProgramReport, HasTheAnswerOfTheSameRun) {
     const Report report(question + options);
     const nlohmann::json json = nlohmann::json::parse(report.outcome.out);
     for (const char* key : {"status", "lower", "upper", "witness", "too_close", "inside", "clash", "solids",
-                            "max_depth", "node_tests", "query_us"}) {
+                            "depth", "node_tests", "query_us"}) {
       EXPECT_EQ(report.data[key], json[key]) << key;
     }
     EXPECT_EQ(report.outcome.exit_code, json["too_close"] == true ? 3 : 0);

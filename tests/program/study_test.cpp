@@ -61,7 +61,7 @@ TEST(ProgramStudy, HasTheAnswersOfTheSameRun) {
     ASSERT_EQ(lines.size(), 6U);
     for (std::size_t r = 0; r < lines.size(); ++r) {
       for (const char* key :
-           {"status", "lower", "upper", "clash", "solids", "max_depth", "too_close", "inside", "query_us"}) {
+           {"status", "lower", "upper", "clash", "solids", "depth", "too_close", "inside", "query_us"}) {
         EXPECT_EQ(rows[key][r], lines[r][key]) << key << ' ' << r;
       }
       const nlohmann::json &found = rows["witness"][r], &witness = lines[r]["witness"];
@@ -108,9 +108,9 @@ TEST(ProgramStudy, TellsHowDeepHardClashesAreAndWhichTrianglesMeet) {
     const std::vector<nlohmann::json> clashes = rows["clash"];
     EXPECT_EQ(clashes,
               (std::vector<nlohmann::json>{"clear", "hard_clash", "hard_clash", "touching", "clear", "surfaces_meet"}));
-    EXPECT_EQ(rows["max_depth"][1], 0.5);
-    EXPECT_EQ(rows["max_depth"][2], 1.75);  // of the corner (2, 2, 2.25), from the top of the large cube
-    for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["max_depth"][r].is_null());
+    EXPECT_EQ(rows["depth"][1], 0.5);
+    EXPECT_NEAR(rows["depth"][2].get<double>(), 2, 1e-9);  // the small cube leaves by its nearest side, whole
+    for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["depth"][r].is_null());
     for (const std::size_t r : {0U, 2U, 4U}) EXPECT_TRUE(rows["intersecting"][r].is_null());
     const Mesh large = cube(4), small = cube(1);
     const auto is_met = [&](std::size_t t) {
@@ -158,10 +158,11 @@ TEST(ProgramStudy, OfPartsAsksAboutAllPairs) {
   EXPECT_EQ(lines[1]["upper"], 3);
   EXPECT_EQ(study["kind"], "parts");
   EXPECT_EQ(study["parts"]["name"], (nlohmann::json{"block", "pin, left", "small.obj", "scene:square"}));
-  EXPECT_EQ(lines_of(run("distance --parts " + file).out).front(),
-            "row,part_a,part_b,name_a,name_b,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,"
-            "point_b_z,triangle_a,triangle_b,face_a,face_b,too_close,inside,clash,solids,max_depth,query_us,node_tests,"
-            "primitive_tests");
+  EXPECT_EQ(
+      lines_of(run("distance --parts " + file).out).front(),
+      "row,part_a,part_b,name_a,name_b,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,"
+      "point_b_z,triangle_a,triangle_b,face_a,face_b,too_close,inside,clash,solids,depth,accepted,query_us,node_tests,"
+      "primitive_tests");
 }
 
 TEST(ProgramStudy, NamesWhatIsWrongInAFileOfParts) {
@@ -182,10 +183,45 @@ TEST(ProgramStudy, NamesWhatIsWrongInAFileOfParts) {
   const std::string out = folder.path("same.html");
   expect_refused("distance --parts " + file + " --out " + out + " --report " + out, "is where another output goes");
   EXPECT_FALSE(std::filesystem::exists(out));
-  std::string many = "model\n";
-  for (int i = 0; i < 202; ++i) many += "scene:square\n";
-  expect_refused("distance --parts " + folder.store("many.csv", many) + " --report " + out,
-                 "room for 20000 pairs, and there are 20301");
+}
+
+TEST(ProgramStudy, HasTheWorstOfTooManyPairs) {
+  const Folder folder;
+  const std::string pin = folder.store("pin.obj", cube(1));
+  std::string many = "model,pose_tx\n";  // in a row, each but the first 0.5 from the next; the first is in the second
+  for (int i = 0; i < 202; ++i) many += pin + ',' + std::to_string(i == 0 ? 1.75 : 1.5 * i) + '\n';
+  const std::string line = "distance --parts " + folder.store("many.csv", many);
+  const Report report(line + " --json --min-clearance 0.6");
+  const nlohmann::json& study = report.data["study"];
+  const std::vector<nlohmann::json> lines = json_lines_of(report.outcome);
+  ASSERT_EQ(lines.size(), 20'301U);
+  const std::vector<std::size_t> numbers = study["rows"]["row"], order = study["worst_first"];
+  ASSERT_EQ(numbers.size(), 20'000U);
+  EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));
+  EXPECT_EQ(study["counts"], (nlohmann::json{{"hard_clash", 1}, {"clearance", 201}, {"clear", 20'099}}));
+  EXPECT_EQ(study["too_close"], 202);
+  EXPECT_EQ(numbers[order[0]], 0U);
+  std::vector<bool> is_listed(lines.size());
+  double farthest = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const nlohmann::json& upper = lines[numbers[order[i]]]["upper"];
+    EXPECT_EQ(study["rows"]["upper"][order[i]], upper);
+    if (i > 0) {
+      EXPECT_GE(upper.get<double>(), farthest) << i;
+      farthest = upper;
+    }
+    is_listed[numbers[i]] = true;
+  }
+  for (std::size_t r = 0; r < lines.size(); ++r) EXPECT_TRUE(is_listed[r] || lines[r]["upper"] >= farthest) << r;
+  // With a largest distance, near pairs alone are written.
+  const std::vector<nlohmann::json> near = json_rows_of(line + " --max-distance 0.6");
+  ASSERT_EQ(near.size(), 202U);
+  for (const nlohmann::json& row : near) {
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const nlohmann::json& other) {
+      return other["part_a"] == row["part_a"] && other["part_b"] == row["part_b"];
+    });
+    EXPECT_EQ(row["upper"], (*same)["upper"]);
+  }
 }
 
 TEST(ProgramStudy, OfTwoHundredPosesIsASmallPage) {

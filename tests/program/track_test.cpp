@@ -182,14 +182,14 @@ TEST(ProgramTrack, TellsHowDeepClosedModelsAreInEachOther) {
     SCOPED_TRACE(f);
     const nlohmann::json still =
         json_lines_of(run("distance --json " + balls[f] + " scene:ball --pose-a " + poses[f])).at(0);
-    const double depth = still["max_depth"].is_null() ? 0 : still["max_depth"].get<double>();
+    const double depth = still["depth"].is_null() ? 0 : still["depth"].get<double>();
     EXPECT_EQ(depth > 0, f < 3);
-    EXPECT_EQ(number(rows[f].at("max_depth")), depth);
-    EXPECT_EQ(objects[f]["max_depth"], depth);
-    EXPECT_EQ(report.data["rows"]["max_depth"][f], depth);
+    EXPECT_EQ(number(rows[f].at("depth")), depth);
+    EXPECT_EQ(objects[f]["depth"], depth);
+    EXPECT_EQ(report.data["rows"]["depth"][f], depth);
     EXPECT_EQ(objects[f]["too_close"], f < 3);
     EXPECT_EQ(without[f]["too_close"], f % 2 == 0);  // surfaces do not meet where one ball has the other inside
-    EXPECT_FALSE(without[f].contains("max_depth"));
+    EXPECT_FALSE(without[f].contains("depth"));
   }
   expect_refused("track --a scene:ball --b scene:square --depth", "--depth: scene:square: the surface is not closed");
   expect_refused("track --a scene:ball --b scene:ball --depth --engine classic", "--depth: belongs to --engine fast");

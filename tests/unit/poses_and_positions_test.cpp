@@ -60,6 +60,28 @@ TEST(Transform, ReflectionsAndStretchesAreNotRigid) {
   EXPECT_FALSE(is_rigid({{}, {0x1p201, 0, 0}}));
 }
 
+TEST(Transform, ErrorsSayWhatIsNotRigid) {
+  const auto text_of = [](const Mat3& m) {
+    return transform_from_matrix(std::array{m.row0.x, m.row0.y, m.row0.z, 0.0, m.row1.x, m.row1.y, m.row1.z, 0.0,
+                                            m.row2.x, m.row2.y, m.row2.z, 0.0, 0.0, 0.0, 0.0, 1.0},
+                                 MatrixOrder::row_major)
+        .error()
+        .text;
+  };
+  Rng rng(4);
+  const Mat3 turn = scenes::random_rotation(rng);
+  const auto turned = [&](double x, double y, double z) { return turn * Mat3{{x, 0, 0}, {0, y, 0}, {0, 0, z}}; };
+  const std::string start = "the matrix is not rigid: it ", end = "; that belongs into the vertices";
+  EXPECT_EQ(text_of(turned(25.4, 25.4, 25.4)), start + "scales by 25.4" + end);
+  EXPECT_EQ(text_of(turned(1, 2, 0.5)), start + "scales by 1, 2 and 0.5 along x, y and z" + end);
+  EXPECT_EQ(text_of(turned(1, 1, -1)), start + "mirrors" + end);
+  EXPECT_EQ(text_of(turned(2, 2, -2)), start + "scales by 2, and mirrors" + end);
+  const Mat3 sheared = turn * Mat3{{1, 0.6, 0}, {0, 0.8, 0}, {0, 0, 1}};
+  EXPECT_EQ(text_of(sheared), start + "shears" + end);
+  EXPECT_NE(text_of(turned(1, 1 + 1e-7, 1)).find("its rotation is off by 2e-07"), std::string::npos);
+  EXPECT_NE(text_of(turned(0, 0, 0)).find("scales by 0"), std::string::npos);
+}
+
 TEST(Transform, StretchBoundIsNeverBelowTheTrueStretch) {
   Rng rng(2);
   for (int i = 0; i < 200; ++i) {

@@ -17,6 +17,7 @@ enum class ExitCode {
   failure = 1,    ///< of the program, or of writing the answer
   bad_input = 2,  ///< bad usage or bad input
   found = 3,      ///< answered, and something was found, where --exit-code, --min-clearance or --max-missed asks
+  undecided = 4,  ///< answered, but the errors of the meshes leave open whether something is found
 };
 
 /// A verb of the program: its part of the command line, and the function to be run after parsing.

@@ -297,6 +297,8 @@ Json distance_report(const PlacedArguments& arguments, const Pair& pair, const D
       std::isfinite(question.options.max_distance) ? Json(question.options.max_distance) : Json(nullptr);
   json["relative_error"] = question.options.relative_error;
   json["absolute_error"] = question.options.absolute_error;
+  json["tolerance"] = question.tolerances.overlap;
+  json["mesh_error"] = question.tolerances.mesh_error;
   json["intersections"] = found.pair_count;
   json["contact_normal"] = found.normal ? to_json(*found.normal) : Json(nullptr);
   json["witness_corners"] = json_of_witness_corners(pair, answer.witness);

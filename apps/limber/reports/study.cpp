@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -19,8 +20,9 @@ namespace {
 /// What the triangles that intersect may take in a page, and in one row of it.
 constexpr std::size_t most_triangle_bytes = 1'000'000, most_triangle_bytes_of_row = 20'000;
 
-constexpr std::array row_names = {"a",      "b",         "status", "lower",     "upper",        "witness", "clash",
-                                  "solids", "too_close", "inside", "max_depth", "intersecting", "query_us"};
+constexpr std::array row_names = {"a",       "b",        "status",       "lower",     "upper",
+                                  "witness", "clash",    "solids",       "too_close", "inside",
+                                  "depth",   "accepted", "intersecting", "query_us",  "row"};
 
 /// Both points, then triangles and faces: of a, of b.
 Json json_of_witness(const std::optional<FoundWitness>& witness) {
@@ -46,23 +48,39 @@ Json json_of_model(const std::string& file, const RigidModel& model) {
 
 }  // namespace
 
-Study::Study(StudyKind kind, const DistanceQuestion& question, std::vector<StudyPart> parts, std::size_t pair_count)
-    : kind_(kind), question_(question), parts_(std::move(parts)) {
-  if (pair_count > most_rows) {
-    throw BadInput(fmt::format("--report: a page has room for {} pairs, and there are {}", most_rows, pair_count));
-  }
-  for (const char* const name : row_names) rows_[name] = Json::array();
-}
+Study::Study(StudyKind kind, const DistanceQuestion& question, std::vector<StudyPart> parts)
+    : kind_(kind), question_(question), parts_(std::move(parts)) {}
 
-void Study::add(const PartPair& pair, const DistanceAnswer& answer) {
+void Study::add(std::size_t number, const PartPair& pair, const DistanceAnswer& answer,
+                const std::optional<std::size_t>& accepted) {
+  const std::string word = to_text(*answer.clash);
+  if (accepted) {
+    ++accepted_;
+  } else {
+    counts_[word] = counts_.value(word, 0) + 1;
+    if (answer.too_close.value_or(false)) ++too_close_;
+  }
+  // Accepted ones come after all others that are not clear, which are told apart by their distance alone.
+  constexpr double clear = static_cast<double>(Clash::clear);
+  const double kind = accepted ? clear - 0.5 : std::min(clear, static_cast<double>(*answer.clash));
   Json json;
+  json["row"] = number;
   append_answer(json, answer);
   json["a"] = pair[0];
   json["b"] = pair[1];
   json["witness"] = json_of_witness(answer.witness);
-  json["intersecting"] = answer.relation.surfaces_meet ? intersecting_triangles(pair) : Json(nullptr);
+  json["intersecting"] =
+      answer.result.status == DistanceStatus::collision ? intersecting_triangles(pair) : Json(nullptr);
   json["query_us"] = answer.elapsed_us;
-  for (const char* const name : row_names) rows_[name].push_back(std::move(json[name]));
+  rows_.push_back(
+      {{kind, -answer.depth.value_or(0), answer.result.lower, answer.result.upper, static_cast<double>(number)},
+       std::move(json)});
+  if (rows_.size() == 2 * most_rows) keep_worst();
+}
+
+void Study::keep_worst() {
+  std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.badness < b.badness; });
+  rows_.resize(std::min(rows_.size(), most_rows));
 }
 
 Json Study::intersecting_triangles(const PartPair& pair) {
@@ -76,7 +94,18 @@ Json Study::intersecting_triangles(const PartPair& pair) {
   return texts;
 }
 
-Json Study::to_json() const {
+Json Study::to_json() {
+  keep_worst();
+  std::vector<std::size_t> places(rows_.size());  // among the worst, by the order of the table
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::sort(places.begin(), places.end(),
+            [&](std::size_t i, std::size_t j) { return rows_[i].badness.back() < rows_[j].badness.back(); });
+  Json rows, worst_first = std::vector<std::size_t>(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) worst_first[places[i]] = i;
+  for (const char* const name : row_names) {
+    rows[name] = Json::array();
+    for (const std::size_t place : places) rows[name].push_back(std::move(rows_[place].json[name]));
+  }
   std::vector<const RigidModel*> models;
   Json names = Json::array(), files = Json::array(), numbers = Json::array(), json_of_models = Json::array();
   std::vector<Transform> poses;
@@ -99,7 +128,13 @@ Json Study::to_json() const {
             {"relative_error", options.relative_error},
             {"absolute_error", options.absolute_error},
             {"parts", {{"name", names}, {"file", files}, {"model", numbers}, {"poses", poses_json(poses)}}},
-            {"rows", rows_}}},
+            {"tolerance", question_.tolerances.overlap},
+            {"mesh_error", question_.tolerances.mesh_error},
+            {"counts", counts_},
+            {"accepted", accepted_},
+            {"too_close", too_close_},
+            {"worst_first", worst_first},
+            {"rows", rows}}},
           {"models", json_of_models}};
 }
 

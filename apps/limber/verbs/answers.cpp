@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verbs/answers.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "command/text.h"
@@ -71,29 +72,58 @@ void write_work_lines(const QueryStats& stats, double build_us, double query_us)
   write_line("time      build {} us, query {} us", to_text(build_us), to_text(query_us));
 }
 
+namespace {
+
+/// Whether parts as far apart as `result` says are closer than a clearance; empty where that is open.
+std::optional<bool> is_below(const DistanceResult& result, const std::optional<double>& clearance) {
+  if (!clearance || result.lower >= *clearance) return false;
+  return result.upper < *clearance ? std::optional(true) : std::nullopt;
+}
+
+}  // namespace
+
 DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b) {
   const std::optional<double>& clearance = question.min_clearance;
+  const double error = question.tolerances.of_pair();
+  DistanceOptions wider = question.options;
+  wider.max_distance += error;
   const auto timed = ask(a, b, [&](const auto& placed_a, const auto& placed_b) {
-    return decided_distance(question.options, clearance, [&](const DistanceOptions& options) {
-      return DistanceResult(distance(placed_a, placed_b, options));
-    });
+    return decided_distance(
+        wider, clearance,
+        [&](const DistanceOptions& options) { return DistanceResult(distance(placed_a, placed_b, options)); }, error);
   });
   DistanceAnswer answer;
   answer.result = timed.answer;
   answer.witness = with_faces(timed.answer.witness, a.model, b.model);
   answer.relation = relation_of(a, b, timed.answer.status == DistanceStatus::collision);
-  if (clearance) answer.too_close = timed.answer.upper < *clearance || answer.relation.is_hard_clash();
-  answer.clash = clash_of(answer.relation, answer.too_close.value_or(false));
-  if (answer.relation.is_hard_clash()) answer.max_depth = max_depth_of(a, b);
+  answer.depth = proven_depth(a, b, answer.relation);
+  if (error > 0) {
+    answer.result.lower = std::max(0.0, timed.answer.lower - error);
+    answer.result.upper += error;
+    if (answer.result.status == DistanceStatus::exact) answer.result.status = DistanceStatus::within_error;
+  }
+  const Verdict verdict = verdict_of(answer.relation, timed.answer.lower, answer.depth.value_or(0), question.tolerances,
+                                     is_below(answer.result, clearance));
+  answer.clash = verdict.clash, answer.may_clash = verdict.may_clash;
+  if (clearance) answer.too_close = verdict.too_close;
+  if (answer.depth) answer.depth = std::max(0.0, *answer.depth - error);
   answer.elapsed_us = timed.elapsed_us;
   return answer;
 }
 
 ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer) {
   if (!question.exit_code) return ExitCode::answered;
-  const bool is_near = answer.result.status != DistanceStatus::beyond_limit || answer.relation.is_hard_clash();
-  const bool is_found = answer.too_close.value_or(is_near);
-  return is_found ? ExitCode::found : ExitCode::answered;
+  const bool may_be_near = answer.may_clash || answer.result.status != DistanceStatus::beyond_limit;
+  const bool is_open = answer.clash == Clash::cannot_tell ||
+                       (!question.min_clearance && question.tolerances.mesh_error > 0 && may_be_near &&
+                        answer.clash != Clash::hard_clash && answer.result.upper > question.options.max_distance);
+  if (answer.too_close.value_or(!question.min_clearance && may_be_near && !is_open)) return ExitCode::found;
+  return is_open ? ExitCode::undecided : ExitCode::answered;
+}
+
+ExitCode worse_of(ExitCode a, ExitCode b) {
+  if (a == ExitCode::found || b == ExitCode::found) return ExitCode::found;
+  return std::max(a, b);
 }
 
 void append_answer(Json& json, const DistanceAnswer& answer) {
@@ -102,7 +132,7 @@ void append_answer(Json& json, const DistanceAnswer& answer) {
   json["inside"] = to_json(answer.relation.nesting);
   json["clash"] = answer.clash ? Json(to_text(*answer.clash)) : Json(nullptr);
   json["solids"] = answer.relation.solids ? Json(to_text(*answer.relation.solids)) : Json(nullptr);
-  json["max_depth"] = to_json(answer.max_depth);
+  json["depth"] = to_json(answer.depth);
 }
 
 }  // namespace limber::program

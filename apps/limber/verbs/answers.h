@@ -55,27 +55,31 @@ void write_work_lines(const QueryStats& stats, double build_us, double query_us)
 struct DistanceQuestion {
   DistanceOptions options;
   std::optional<double> min_clearance;  ///< at most `options.max_distance`
+  Tolerances tolerances;
   bool exit_code = false;
 };
 
 struct DistanceAnswer {
-  DistanceResult result;
+  DistanceResult result;  ///< of the parts: wider than that of the meshes by the tolerances' mesh error of the pair
   std::optional<FoundWitness> witness;
   std::optional<bool> too_close;    ///< whether the models are closer than `min_clearance`; empty without one
-  Relation relation;                ///< on a path: at the start, and only the nesting
+  Relation relation;                ///< of the meshes; on a path: at the start, and only the nesting
   std::optional<Clash> clash;       ///< empty on a path
-  std::optional<double> max_depth;  ///< of hard clashes of closed models, as max_depth_of() has it
+  bool may_clash = false;           ///< whether there is, or may be, a hard clash
+  std::optional<double> depth;      ///< that is proven of the parts, where closed meshes overlap
   std::optional<double> path_time;  ///< on a path: when the models are so near
   double elapsed_us = 0;
 };
 
-/// The answer of `ask`, which takes the options of a distance and gives it. Where a clearance lies in the interval that
-/// the errors allow, it is asked once more without them, so that whether the models are closer is as true as an exact
-/// distance says.
+/// The answer of `ask`, which takes the options of a distance and gives it. Where a clearance, more or less `error`,
+/// lies in the interval that the errors allow, it is asked once more without them, so that whether the models are
+/// closer is as true as an exact distance says.
 template <typename Ask>
-DistanceResult decided_distance(const DistanceOptions& options, const std::optional<double>& clearance, Ask ask) {
+DistanceResult decided_distance(const DistanceOptions& options, const std::optional<double>& clearance, Ask ask,
+                                double error = 0) {
   const DistanceResult result = ask(options);
-  const bool is_decided = !clearance || result.upper < *clearance || result.lower >= *clearance;
+  const auto decides = [&](double limit) { return result.upper < limit || result.lower >= limit; };
+  const bool is_decided = !clearance || (decides(*clearance - error) && decides(*clearance + error));
   return is_decided ? result : ask({.max_distance = options.max_distance});
 }
 
@@ -83,10 +87,12 @@ DistanceResult decided_distance(const DistanceOptions& options, const std::optio
 DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b);
 
 /// What one answer is to the exit code: pairs that are too close, or, without `min_clearance`, those not beyond
-/// `max_distance`, are found; so are hard clashes.
+/// `max_distance`, are found; so are hard clashes. Where meshes do not tell, it is undecided.
 ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer);
+/// That of a run whose pairs have these.
+ExitCode worse_of(ExitCode a, ExitCode b);
 
-/// Status, lower, upper, witness, too_close, inside, clash, solids and max_depth.
+/// Status, lower, upper, witness, too_close, inside, clash, solids and depth.
 void append_answer(Json& json, const DistanceAnswer& answer);
 
 }  // namespace limber::program

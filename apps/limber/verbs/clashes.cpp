@@ -4,18 +4,19 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 
 #include "limber/penetration.h"
 
 namespace limber::program {
 
-bool Relation::is_hard_clash() const {
+bool Relation::overlaps() const {
   if (!solids) return nesting != Nesting::none;
   return *solids != SolidRelation::apart && *solids != SolidRelation::touching;
 }
 
 Relation relation_of(const PlacedModel& a, const PlacedModel& b, bool surfaces_meet) {
-  Relation relation{std::nullopt, Nesting::none, surfaces_meet};
+  Relation relation;
   if (const auto solids = solids_of(a, b)) {
     relation.solids = solids->relation;
     relation.nesting = nesting_of(*solids);
@@ -25,22 +26,40 @@ Relation relation_of(const PlacedModel& a, const PlacedModel& b, bool surfaces_m
   return relation;
 }
 
-Clash clash_of(const Relation& relation, bool too_close) {
-  if (relation.is_hard_clash()) return Clash::hard_clash;
-  if (relation.surfaces_meet) return relation.solids ? Clash::touching : Clash::surfaces_meet;
-  if (too_close) return Clash::clearance;
-  return relation.solids ? Clash::clear : Clash::surfaces_apart;
+Verdict verdict_of(const Relation& relation, double gap, double depth, const Tolerances& tolerances,
+                   std::optional<bool> is_below) {
+  constexpr double any = std::numeric_limits<double>::infinity();
+  const double error = tolerances.of_pair();
+  double least = 0, most = error - gap;  // how deep the parts are in each other
+  if (relation.solids && relation.overlaps()) {
+    least = error == 0 && tolerances.overlap == 0 ? any : depth - error;
+    most = depth + error;
+  } else if (!relation.solids) {  // of one that is not closed, only whether it is enclosed is known
+    least = relation.overlaps() && gap > error ? any : 0;
+    most = relation.overlaps() || (error > 0 && gap <= error) ? any : 0;
+  }
+  if (least > tolerances.overlap) return {Clash::hard_clash, true, true};
+  if (most > tolerances.overlap) return {Clash::cannot_tell, true, is_below == true ? is_below : std::nullopt};
+  if (!is_below) return {Clash::cannot_tell, false, std::nullopt};
+  const bool is_apart = gap > error && !relation.overlaps();
+  if (!is_apart) return {relation.solids ? Clash::touching : Clash::surfaces_meet, false, is_below};
+  const Clash clear = relation.solids ? Clash::clear : Clash::surfaces_apart;
+  return {*is_below ? Clash::clearance : clear, false, is_below};
 }
 
-std::optional<double> max_depth_of(const PlacedModel& a, const PlacedModel& b) {
-  const Result<ClosedSurface>&surface_a = a.model.surface(), &surface_b = b.model.surface();
-  if (!surface_a || !surface_b) return std::nullopt;
-  return deepest_vertices({surface_a.value(), a.pose}, {surface_b.value(), b.pose}).max_depth;
+double proven_depth(const PlacedSurface& a, const PlacedSurface& b) {
+  // With this error the search ends with the first way out, however long.
+  return std::max(0.0, -signed_distance(a, b, {.relative_error = std::numeric_limits<double>::max()}).upper);
+}
+
+std::optional<double> proven_depth(const PlacedModel& a, const PlacedModel& b, const Relation& relation) {
+  if (!relation.solids || !relation.overlaps()) return std::nullopt;
+  return proven_depth({a.model.surface().value(), a.pose}, {b.model.surface().value(), b.pose});
 }
 
 const char* to_text(Clash clash) {
-  static constexpr const char* words[] = {"hard_clash", "touching",      "clearance",
-                                          "clear",      "surfaces_meet", "surfaces_apart"};
+  static constexpr const char* words[] = {"hard_clash", "cannot_tell", "surfaces_meet", "touching",
+                                          "clearance",  "clear",       "surfaces_apart"};
   return words[static_cast<std::size_t>(clash)];
 }
 

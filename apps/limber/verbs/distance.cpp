@@ -9,6 +9,7 @@
 #include "command/verb.h"
 #include "limber/distance.h"
 #include "reports/distance_report.h"
+#include "verbs/accepted_pairs.h"
 #include "verbs/answers.h"
 #include "verbs/distance_many.h"
 #include "verbs/models.h"
@@ -19,15 +20,17 @@ namespace {
 
 struct DistanceArguments {
   PairArguments pair;
-  std::string pairs, parts, out = "-";
+  std::string pairs, parts, accept, out = "-";
   DistanceOptions options;
   std::optional<double> distance_error, min_clearance;
+  Tolerances tolerances;
   ReportArguments report;
   VertexFiles vertices;
 };
 
 DistanceQuestion question_of(const DistanceArguments& arguments) {
-  return {arguments.options, arguments.min_clearance, arguments.pair.exit_code || arguments.min_clearance};
+  return {arguments.options, arguments.min_clearance, arguments.tolerances,
+          arguments.pair.exit_code || arguments.min_clearance};
 }
 
 /// The least distance on a path.
@@ -66,7 +69,7 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
     write_distance_lines(answer.result, answer.witness);
     if (answer.path_time) write_line("path time {}", to_text(*answer.path_time));
     if (answer.clash) write_line("clash     {}", clash_line(*answer.clash, answer.relation));
-    if (answer.max_depth) write_line("max depth {}", to_text(*answer.max_depth));
+    if (answer.depth) write_line("depth     at least {}", to_text(*answer.depth));
     if (answer.too_close) {
       write_line("clearance {} {}", *answer.too_close ? "below" : "at least", to_text(*arguments.min_clearance));
     }
@@ -78,9 +81,9 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
 
 ExitCode run(const DistanceArguments& arguments) {
   if (arguments.pairs.empty() && arguments.parts.empty()) return answer_pair(arguments);
-  return answer_pairs(
-      {arguments.pairs, arguments.parts, arguments.out, arguments.pair.json, arguments.pair.engine, arguments.report},
-      question_of(arguments));
+  return answer_pairs({arguments.pairs, arguments.parts, arguments.accept, arguments.out, arguments.pair.json,
+                       arguments.pair.engine, arguments.report},
+                      question_of(arguments));
 }
 
 constexpr const char* help_text = R"(
@@ -109,8 +112,9 @@ misspelt. Blank lines and those that start with # are skipped. Paths are relativ
 loaded once.
 
 A file of parts has the column model, and where you want them name and pose_tx to pose_qz. The answer has a row for each
-pair of parts, the first with all others first. part_a and part_b count parts from 0, name_a and name_b are their names,
-or their models without folders.
+pair of parts, the first with all others first; with --max-distance only for those that are not farther apart, and no
+others are looked at. part_a and part_b count parts from 0, name_a and name_b are their names, or their models without
+folders. Parts of one mesh file stand as the file places them; triangles are counted in each part, faces in the file.
 
 --report writes one HTML file that needs no network: both meshes in 3D with the closest points, a section through
 them, the distance of each surface from the other in colours, or the triangles that intersect, and the answer as a
@@ -126,11 +130,13 @@ Example, pairs.csv:
   limber distance --pairs pairs.csv --min-clearance 0.5 --out answers.csv
   limber distance --pairs pairs.csv --min-clearance 0.5 --report study.html
   limber distance --parts parts.csv --report assembly.html --unit mm
+  limber distance --parts house.glb --max-distance 0.05 --tolerance 0.001
 
-Cells are empty, and null in JSON: too_close without --min-clearance, inside where neither model is inside the other
-without touching it, solids where a model is not closed, max_depth there and without a hard clash, upper and the witness
-where status is beyond_limit. JSON has the names of the columns, and an object witness or null: point_a and point_b,
-arrays of three numbers, triangle_a, triangle_b, face_a, face_b. For one pair build_us is the time for both trees.
+Cells are empty, and null in JSON: too_close without --min-clearance and where meshes cannot tell, inside where neither
+model is inside the other without touching it, solids where a model is not closed, depth there and where volumes do not
+overlap, accepted where no line of --accept does, upper and the witness where status is beyond_limit. JSON
+has the names of the columns, and an object witness or null: point_a and point_b, arrays of three numbers, triangle_a,
+triangle_b, face_a, face_b. For one pair build_us is the time for both trees.
 Columns of the answer, where row counts from 0; with --parts part_a, part_b, name_a and name_b are in place of the
 models:
 
@@ -150,14 +156,16 @@ void check_options(const CLI::App& command, const DistanceArguments& arguments) 
   if (is_given("--pairs") && is_given("--parts")) throw CLI::ValidationError("--pairs", "leaves no room for --parts");
   for (const char* const path : {"--path-a", "--path-b"}) {
     for (const char* const name : {"--relative-error", "--absolute-error", "--max-distance", "--min-clearance",
-                                   "--report", "--vertices-a", "--vertices-b"}) {
+                                   "--tolerance", "--mesh-error", "--report", "--vertices-a", "--vertices-b"}) {
       if (is_given(path) && is_given(name)) throw CLI::ValidationError(path, std::string("leaves no room for ") + name);
     }
   }
   if (is_given("--distance-error") && !is_given("--path-a") && !is_given("--path-b")) {
     throw CLI::ValidationError("--distance-error", "belongs to --path-a and --path-b");
   }
-  if (file == nullptr && is_given("--out")) throw CLI::ValidationError("--out", "belongs to --pairs and --parts");
+  for (const char* const name : {"--out", "--accept"}) {
+    if (file == nullptr && is_given(name)) throw CLI::ValidationError(name, "belongs to --pairs and --parts");
+  }
   if (arguments.min_clearance > arguments.options.max_distance) {
     throw CLI::ValidationError("--max-distance", "must be at least --min-clearance");
   }
@@ -183,15 +191,26 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   add_min_clearance(
       command, arguments->min_clearance,
       "exit with 3 instead of 0 when a pair is closer than this length, or a hard clash; at most --max-distance");
+  add_number(command, "--tolerance", arguments->tolerances.overlap, not_negative,
+             "closed models that are proven to be no deeper in each other than this length only touch")
+      ->type_name("LENGTH");
+  add_number(command, "--mesh-error", arguments->tolerances.mesh_error, not_negative,
+             "how far each mesh is from the part that it stands for at most; a pair is off by twice that")
+      ->type_name("LENGTH");
   command
       .add_option("--pairs", arguments->pairs,
                   "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with "
                   "--json an object for each row")
       ->type_name("CSV");
   command
-      .add_option("--parts", arguments->parts,
-                  "instead of A and B: a CSV file with a part of an assembly in each row; the answer is that of all "
-                  "pairs of parts")
+      .add_option(
+          "--parts", arguments->parts,
+          "instead of A and B: a CSV file with a part of an assembly in each row, or one mesh file whose nodes, "
+          "objects, groups or solids are the parts; the answer is that of all pairs of parts")
+      ->type_name("FILE");
+  command
+      .add_option("--accept", arguments->accept,
+                  "with --pairs and --parts: a CSV file of pairs that may touch, or overlap")
       ->type_name("CSV");
   command
       .add_option("--out", arguments->out,
@@ -203,8 +222,8 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
              "pairs, the worst first");
   add_vertex_files(command, arguments->vertices);
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
-  command.footer(std::string(help_text) + clash_help + vertex_files_help + path_answer_help + path_help + pairs_help +
-                 spaced(pairs_answer_columns()));
+  command.footer(std::string(help_text) + clash_help + tolerances_help + vertex_files_help + path_answer_help +
+                 path_help + accept_help + pairs_help + spaced(pairs_answer_columns()));
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verbs/distance_many.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -13,7 +15,10 @@
 #include "command/run_files.h"
 #include "command/text.h"
 #include "formats/csv_inputs.h"
+#include "limber/scene.h"
 #include "reports/study.h"
+#include "verbs/accepted_pairs.h"
+#include "verbs/file_parts.h"
 
 namespace limber::program {
 namespace {
@@ -30,6 +35,10 @@ class Models {
     return model.get();
   }
 
+  const RigidModel* keep(MeshFile mesh) {
+    return parts_.emplace_back(std::make_unique<RigidModel>(std::move(mesh), engine_)).get();
+  }
+
  private:
   static std::string key_of(const std::string& name) {
     if (is_scene(name)) return name;
@@ -40,6 +49,7 @@ class Models {
 
   Engine engine_;
   std::map<std::string, std::unique_ptr<RigidModel>> models_;
+  std::vector<std::unique_ptr<RigidModel>> parts_;  // of one file
 };
 
 /// What is asked about.
@@ -69,21 +79,46 @@ AskedPairs pairs_of_file(const std::string& path, Models& models) {
   return asked;
 }
 
-AskedPairs pairs_of_parts(const std::string& path, Models& models) {
+/// The pairs of parts that may be so near, or one inside the other, in their order.
+std::vector<PartPair> near_pairs(const std::vector<StudyPart>& parts, double max_distance) {
+  std::vector<PartPair> pairs;
+  if (!std::isfinite(max_distance)) {
+    for (std::size_t a = 0; a < parts.size(); ++a) {
+      for (std::size_t b = a + 1; b < parts.size(); ++b) pairs.push_back({a, b});
+    }
+    return pairs;
+  }
+  Scene scene;
+  for (const StudyPart& part : parts) static_cast<void>(scene.add({part.model->in_fast_engine(), part.pose}));
+  scene.commit();
+  scene.visit_candidate_pairs(max_distance, [&](const ObjectPair& pair) {
+    pairs.push_back({pair.a, pair.b});
+    return true;
+  });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+AskedPairs pairs_of_parts(const std::string& path, Models& models, double max_distance) {
   AskedPairs asked{StudyKind::parts, {}, {}};
-  for (const PartRow& row : read_parts(path)) {
+  if (is_mesh_file(path)) {
+    for (FilePart& part : read_file_parts(path)) {
+      asked.parts.push_back(
+          {part.name.empty() ? shown_name(path) : part.name, path, models.keep(std::move(part.file)), Transform{}});
+    }
+  }
+  for (const PartRow& row : is_mesh_file(path) ? std::vector<PartRow>() : read_parts(path)) {
     asked.parts.push_back(loaded(models, path, row.line, "model", row.model, row.pose));
     if (!row.name.empty()) asked.parts.back().name = row.name;
   }
   if (asked.parts.size() < 2) throw BadInput(path + ": has one part alone, which makes no pair");
-  for (std::size_t a = 0; a < asked.parts.size(); ++a) {
-    for (std::size_t b = a + 1; b < asked.parts.size(); ++b) asked.pairs.push_back({a, b});
-  }
+  asked.pairs = near_pairs(asked.parts, max_distance);
   return asked;
 }
 
-Json answer_in_row(std::size_t number, const AskedPairs& asked, const DistanceAnswer& answer) {
-  const auto& [a, b] = asked.pairs[number];
+Json answer_in_row(std::size_t number, const AskedPairs& asked, const PartPair& pair, const DistanceAnswer& answer,
+                   const std::optional<std::size_t>& accepted) {
+  const auto& [a, b] = pair;
   const StudyPart &part_a = asked.parts[a], &part_b = asked.parts[b];
   Json json = {{"row", number}};
   if (asked.kind == StudyKind::pairs) {
@@ -96,6 +131,7 @@ Json answer_in_row(std::size_t number, const AskedPairs& asked, const DistanceAn
     json["name_b"] = part_b.name;
   }
   append_answer(json, answer);
+  json["accepted"] = to_json(accepted);
   append_work(json, answer.result.stats, answer.elapsed_us);
   return json;
 }
@@ -109,7 +145,7 @@ void warn_about(std::size_t nested_count) {
 
 /// The columns that answer_in_row() fills after those that name the pair.
 std::string answer_columns() {
-  return fmt::format("{},{},too_close,inside,clash,solids,max_depth,query_us,node_tests,primitive_tests",
+  return fmt::format("{},{},too_close,inside,clash,solids,depth,accepted,query_us,node_tests,primitive_tests",
                      distance_columns, witness_columns);
 }
 
@@ -122,15 +158,18 @@ std::string pairs_answer_columns() { return "row,model_a,model_b," + answer_colu
 ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestion& question) {
   Models models(arguments.engine);
   const std::string& path = arguments.parts.empty() ? arguments.pairs : arguments.parts;
-  const AskedPairs asked = arguments.parts.empty() ? pairs_of_file(path, models) : pairs_of_parts(path, models);
+  const double max_distance = question.options.max_distance + question.tolerances.of_pair();
+  const AskedPairs asked =
+      arguments.parts.empty() ? pairs_of_file(path, models) : pairs_of_parts(path, models, max_distance);
+  AcceptedPairs accepted_pairs(arguments.accept);
   std::optional<Study> study;
-  if (!arguments.report.path.empty()) study.emplace(asked.kind, question, asked.parts, asked.pairs.size());
+  if (!arguments.report.path.empty()) study.emplace(asked.kind, question, asked.parts);
   OutputFile out("--out", arguments.out);
   std::optional<ReportFile> report;
   if (study) report.emplace(arguments.report);
   ProgressBar bar(asked.pairs.size(), "pairs");
   ExitCode exit_code = ExitCode::answered;
-  std::size_t nested_count = 0;
+  std::size_t nested_count = 0, row = 0;
   if (!arguments.json) {
     out.write((asked.kind == StudyKind::pairs ? pairs_answer_columns() : parts_answer_columns()) + '\n');
   }
@@ -138,15 +177,19 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
     bar.draw(i);
     const auto& [a, b] = asked.pairs[i];
     const DistanceAnswer answer = answer_to(question, asked.parts[a].placed(), asked.parts[b].placed());
+    const bool is_far = answer.result.status == DistanceStatus::beyond_limit && !answer.may_clash;
+    if (is_far && asked.kind == StudyKind::parts) continue;
+    const auto accepted = accepted_pairs.accept(asked.parts[a].name, asked.parts[b].name, answer);
     if (answer.relation.nesting != Nesting::none) ++nested_count;
-    if (exit_code_of(question, answer) == ExitCode::found) exit_code = ExitCode::found;
-    if (study) study->add(asked.pairs[i], answer);
+    if (!accepted) exit_code = worse_of(exit_code, exit_code_of(question, answer));
+    if (study) study->add(row, asked.pairs[i], answer, accepted);
     if (out.is_terminal()) bar.clear();
-    const Json row = answer_in_row(i, asked, answer);
-    out.write_rows(arguments.json ? to_line(row) : csv_line(row));
+    const Json json = answer_in_row(row++, asked, asked.pairs[i], answer, accepted);
+    out.write_rows(arguments.json ? to_line(json) : csv_line(json));
   }
   bar.clear();
   warn_about(nested_count);
+  accepted_pairs.warn_about_unused();
   if (report) report->write(study->to_json());
   return exit_code;
 }

@@ -20,7 +20,7 @@ double most_frame_bytes(std::uint64_t max_megabytes) {
   return std::max(fewest_frame_bytes, (1e6 * static_cast<double>(max_megabytes) - other_bytes) * 3 / 4);
 }
 
-constexpr std::array row_names = {"lower",     "upper",    "status",         "too_close", "max_depth",
+constexpr std::array row_names = {"lower",     "upper",    "status",         "too_close", "depth",
                                   "update_us", "query_us", "moved_vertices", "witness"};
 constexpr std::array contact_row_names = {"query_us", "count", "intersecting"};
 constexpr std::array impact_row_names = {"status", "lower", "touch"};
@@ -61,7 +61,7 @@ std::string track_csv_header(bool has_clearance, bool has_depth, const Names& co
                              const Names& impact_names) {
   std::string header =
       fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,primitive_tests{}{}",
-                  distance_columns, witness_columns, has_clearance ? ",too_close" : "", has_depth ? ",max_depth" : "");
+                  distance_columns, witness_columns, has_clearance ? ",too_close" : "", has_depth ? ",depth" : "");
   const std::string of_contacts = "query_us,count,intersecting," + contact_columns(ContactDetail::all);
   for (const std::string& name : contact_names) header += prefixed(name, of_contacts);
   for (const std::string& name : impact_names) header += prefixed(name, impact_columns);
@@ -77,7 +77,7 @@ Json to_json(const TrackRow& row) {
   json["node_tests"] = row.result.stats.node_tests;
   json["primitive_tests"] = row.result.stats.primitive_tests;
   if (row.too_close) json["too_close"] = *row.too_close;
-  if (row.max_depth) json["max_depth"] = *row.max_depth;
+  if (row.depth) json["depth"] = *row.depth;
   for (const auto& [name, found] : row.contacts) {
     json[name] = {{"query_us", found.elapsed_us},
                   {"count", found.count},
@@ -156,7 +156,7 @@ void Replay::add_row(const TrackRow& row) {
   append_distance(answer, row.result, row.witness);
   for (const char* const name : {"lower", "upper", "status"}) rows_[name].push_back(answer[name]);
   rows_["too_close"].push_back(program::to_json(row.too_close));
-  rows_["max_depth"].push_back(program::to_json(row.max_depth));
+  rows_["depth"].push_back(program::to_json(row.depth));
   rows_["update_us"].push_back(row.update.elapsed_us);
   rows_["query_us"].push_back(row.query_us);
   rows_["moved_vertices"].push_back(row.update.done.moved_vertices);

@@ -44,8 +44,7 @@ struct TrackRow {
   /// Whether the models are closer than a clearance that is required, or touch on the way from the line before; empty
   /// where none is.
   std::optional<bool> too_close;
-  std::optional<double>
-      max_depth;  ///< how deep the deepest vertex of either model is in the other, where that is asked
+  std::optional<double> depth;  ///< of closed models in each other, as proven_depth() has it, where that is asked
   std::vector<FrameContacts> contacts;
   std::vector<FrameImpact> impacts;  ///< on the way from the line before
 };

@@ -16,8 +16,8 @@
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
-#include "limber/penetration.h"
 #include "reports/page_template.h"
+#include "verbs/clashes.h"
 #include "verbs/contact_answers.h"
 #include "verbs/deforming_model.h"
 #include "verbs/impacts.h"
@@ -154,7 +154,7 @@ bool is_too_close(const TrackRow& row, const Asked& asked, double min_clearance)
     const bool is_of_both = asked.impacts[i].a != asked.impacts[i].b;
     touches = touches || (is_of_both && row.impacts[i].status.value_or(ImpactStatus::clear) != ImpactStatus::clear);
   }
-  return touches || row.result.upper < min_clearance || row.max_depth.value_or(0) > 0;
+  return touches || row.result.upper < min_clearance || row.depth.value_or(0) > 0;
 }
 
 TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::size_t number, std::size_t frame,
@@ -177,7 +177,7 @@ TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::
   row.query_us = asking.microseconds();
   row.witness = with_faces(row.result.witness, a, b);
   if (asked.bodies) {
-    row.max_depth = deepest_vertices({asked.bodies->front(), a.pose()}, {asked.bodies->back(), b.pose()}).max_depth;
+    row.depth = proven_depth({asked.bodies->front(), a.pose()}, {asked.bodies->back(), b.pose()});
   }
   for (const AskedPair& pair : asked.contacts) {
     row.contacts.push_back(find_contacts(pair, arguments.margin.value_or(0)));
@@ -245,12 +245,11 @@ and with --continuous for setting motions. Only --depth tells whether one model 
 
 --min-clearance adds the column too_close after primitive_tests. It is decided as for an exact distance, whatever the
 errors asked for. With --continuous it is true, too, where the models touch on the way from the frame before, and with
---depth where a vertex of one is in the other. How near they come between frames otherwise is not looked at; --path-a of
+--depth where the bodies overlap. How near they come between frames otherwise is not looked at; --path-a of
 limber distance is for rigid models.
 
---depth adds the column max_depth after that, as limber distance has it: how far the deepest vertex of one model, inside
-of the other, is from the other's surface; 0 where no vertex is inside. Its time is in no column. Both models have to be
-closed.
+--depth adds the column depth after that, as limber distance has it: a length that no translation which takes one body
+out of the other is shorter than; 0 where they are apart. Its time is in no column. Both models have to be closed.
 
 --report writes one HTML file that needs no network: the frames in 3D with the closest points, to be played, and charts
 of the distance, of times, and of contacts where they are counted, with impacts between frames. With --min-clearance it
@@ -297,8 +296,7 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
   add_distance_options(command, arguments->query);
   add_min_clearance(command, arguments->min_clearance,
                     "exit with 3 instead of 0 when the models are closer than this length in a frame, or with "
-                    "--continuous touch between two, or with --depth a vertex of one is in the other; at most "
-                    "--max-distance");
+                    "--continuous touch between two, or with --depth overlap; at most --max-distance");
   add_deforming(command, arguments->model);
   command.add_flag("--depth", arguments->depth, "fast: also how deep closed models are in each other");
   command.add_flag("--contacts", arguments->contacts,

@@ -23,6 +23,8 @@ export interface Curve extends Drawn {
   isDashed?: boolean;
   /** Each value holds up to the next x. */
   isStepped?: boolean;
+  /** The curve goes on beyond values that are missing; or there are dots alone. Without it, it ends there. */
+  gaps?: 'spanned' | 'dots';
 }
 
 /** What is between two curves. */
@@ -49,6 +51,8 @@ export interface ChartOptions {
   marks?: readonly number[];
   /** A value with a line across. */
   limit?: { name: string; value: number };
+  /** What the rows are called, at the line of the row that is shown, and under the pointer. */
+  names?: readonly string[];
 }
 
 const height = 180;
@@ -60,12 +64,14 @@ export class Chart {
   private row: number | undefined;
   private readonly marks: readonly number[];
   private readonly limit: number | undefined;
+  private readonly names: readonly string[];
 
   /** Appends the chart to `host`; `jump` is called with the row that a reader points at. */
   constructor(host: HTMLElement, options: ChartOptions, jump?: (row: number) => void) {
     const { areas = [], curves, dots = [], marks = [] } = options;
     this.marks = marks;
     this.limit = options.limit?.value;
+    this.names = options.names ?? [];
     const area = element('div', 'plot');
     area.setAttribute('role', 'img');
     area.setAttribute('aria-label', described(options));
@@ -95,16 +101,18 @@ export class Chart {
 
   private followPointer(jump: (row: number) => void): void {
     const { over } = this.plot;
-    const point = (event: PointerEvent): void => {
+    const rowAt = (event: PointerEvent): number => {
       const row = Math.round(this.plot.posToVal(event.offsetX, 'x'));
-      jump(Math.min(Math.max(row, 0), this.plot.data[0].length - 1));
+      return Math.min(Math.max(row, 0), this.plot.data[0].length - 1);
     };
+    const point = (event: PointerEvent): void => jump(rowAt(event));
     over.addEventListener('pointerdown', (event) => {
       over.setPointerCapture(event.pointerId);
       point(event);
     });
     over.addEventListener('pointermove', (event) => {
       if (event.buttons !== 0) point(event);
+      over.title = this.names[rowAt(event)] ?? '';
     });
   }
 
@@ -131,12 +139,13 @@ export class Chart {
       series: [
         {},
         ...areas.flatMap(() => [edge, edge]),
-        ...curves.map(({ color, isDashed, isStepped }) => ({
+        ...curves.map(({ color, isDashed, isStepped, gaps }) => ({
           stroke: () => token(color),
-          paths: isStepped === true ? uPlot.paths.stepped!({ align: 1 }) : undefined,
+          paths: gaps === 'dots' ? () => null : isStepped === true ? uPlot.paths.stepped!({ align: 1 }) : undefined,
+          spanGaps: gaps === 'spanned',
           width: 1.8,
           dash: isDashed === true ? [5, 4] : undefined,
-          points: { show: curves[0].values.length === 1 },
+          points: { show: gaps === 'dots' || curves[0].values.length === 1, size: 6 },
         })),
         ...dots.map(({ color, size }) => ({
           stroke: () => token(color),
@@ -176,6 +185,7 @@ export class Chart {
     };
     for (const mark of this.marks) draw(mark, 'mark');
     if (this.row !== undefined) draw(this.row, 'ink');
+    this.drawName(plot);
     if (this.limit !== undefined) {
       const y = plot.valToPos(this.limit, 'y', true);
       ctx.strokeStyle = token('mark');
@@ -186,6 +196,24 @@ export class Chart {
       ctx.stroke();
     }
     ctx.restore();
+  }
+
+  /** Beside the line of the row that is shown, where there is more room. */
+  private drawName(plot: uPlot): void {
+    const name = this.row === undefined ? undefined : this.names[this.row];
+    if (name === undefined) return;
+    const { ctx, bbox } = plot;
+    const x = plot.valToPos(this.row!, 'x', true);
+    const isLeft = x > bbox.left + bbox.width / 2;
+    ctx.font = `${14 * devicePixelRatio}px ${getComputedStyle(document.body).fontFamily}`;
+    ctx.textAlign = isLeft ? 'right' : 'left';
+    ctx.textBaseline = 'top';
+    ctx.lineWidth = 4 * devicePixelRatio;
+    ctx.strokeStyle = token('card');
+    ctx.fillStyle = token('ink');
+    const at = [x + (isLeft ? -6 : 6) * devicePixelRatio, bbox.top + 2 * devicePixelRatio] as const;
+    ctx.strokeText(name, ...at);
+    ctx.fillText(name, ...at);
   }
 }
 

@@ -32,7 +32,7 @@ interface Rows {
   /** Whether the models are closer than the clearance; null where none is required. */
   too_close: (boolean | null)[];
   /** Of the deepest vertex of either model in the other; null where that is not asked. */
-  max_depth: (number | null)[];
+  depth: (number | null)[];
   update_us: number[];
   query_us: number[];
   moved_vertices: number[];
@@ -90,7 +90,7 @@ export const touchesIn = ({ rows, impacts }: ReplayData, row: number): boolean =
 
 /** The numbers of all rows, the worst first: the deepest, then those where the models touch, then the nearest. */
 export function worstFirst(data: ReplayData): number[] {
-  const { lower, upper, max_depth: depth } = data.rows;
+  const { lower, upper, depth } = data.rows;
   const keys = upper.map((_, row) => [touchesIn(data, row) ? 0 : (upper[row] ?? Infinity), lower[row] ?? Infinity]);
   const order = keys.map((_, row) => row);
   const deeper = (r: number, s: number): number => (depth[s] ?? 0) - (depth[r] ?? 0);

@@ -22,7 +22,7 @@ export function queryName({ relative_error, absolute_error }: ReplayData): strin
 
 /** The distance in a row: one number, or an interval; how deep the models are in each other where that is known. */
 export function shownDistance({ rows }: ReplayData, row: number): string {
-  const deep = rows.max_depth[row];
+  const deep = rows.depth[row];
   if (deep !== null && deep > 0) return `${shownLength(deep)} deep`;
   if (rows.status[row] === 'collision') return 'in contact';
   return withUnit(shownBounds(rows.lower[row], rows.upper[row]));
@@ -72,9 +72,9 @@ export function showTiles(data: ReplayData): void {
   } else {
     tiles.push(tile('Far apart', 'in all frames: beyond the largest distance asked for'));
   }
-  const deepest = rows.max_depth.reduce<number>((most, depth) => Math.max(most, depth ?? 0), 0);
+  const deepest = rows.depth.reduce<number>((most, depth) => Math.max(most, depth ?? 0), 0);
   if (deepest > 0) {
-    const row = rows.max_depth.indexOf(deepest);
+    const row = rows.depth.indexOf(deepest);
     tiles.push(tile(`${shownLength(deepest)} deep`, `the deepest, in frame ${grouped(row)}`, 'bad'));
   }
   for (const { name, status, lower } of impacts) {
@@ -114,7 +114,7 @@ export function showNow(data: ReplayData, row: number): void {
     const verdict = rows.too_close[row] === true ? 'not kept' : 'kept';
     lines.push(['Required clearance', `${data.min_clearance}, ${verdict}`]);
   }
-  if (rows.max_depth[row] !== null) lines.push(['Depth of the deepest vertex', String(rows.max_depth[row])]);
+  if (rows.depth[row] !== null) lines.push(['Depth, at least', String(rows.depth[row])]);
   const witness = rows.witness[row];
   if (witness !== null) lines.push(['Triangles', `${witness[6]} of A, ${witness[7]} of B`]);
   for (const { name, count, intersecting } of contacts) {

@@ -9,7 +9,7 @@ import type { Quantized, QuantizedPoints } from '../shared/decode.ts';
 import type { Mesh } from '../shared/surface.ts';
 import { framed } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
-import type { Clash, Inside, Solids } from '../viewer/clashes.ts';
+import type { Clash, Inside, Solids, Tolerances } from '../viewer/clashes.ts';
 
 export type Point = [number, number, number];
 
@@ -28,7 +28,7 @@ export interface ModelData {
   parts?: string;
 }
 
-export interface ReportData {
+export interface ReportData extends Tolerances {
   status: 'exact' | 'within_error' | 'collision' | 'beyond_limit';
   lower: number;
   upper: number | null;
@@ -44,8 +44,8 @@ export interface ReportData {
   inside: Inside;
   clash: Clash;
   solids: Solids;
-  /** Of the deepest vertex of either in the other; of hard clashes of closed models. */
-  max_depth: number | null;
+  /** No shorter translation takes one out of the other; of closed models that overlap. */
+  depth: number | null;
   build_us: number;
   query_us: number;
   node_tests: number;

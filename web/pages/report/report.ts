@@ -32,7 +32,8 @@ export function showReport(data: ReportData): void {
     markColor.value.setRGB(...tokenRgb('hit'));
   });
   showMarks(data, frame, view);
-  view.connectBox('cut', false, (isOn) => (look.isCut.value = isOn));
+  const isHidden = data.status === 'collision' || data.clash === 'hard_clash'; // by what is around the clash
+  view.connectBox('cut', isHidden, (isOn) => (look.isCut.value = isOn));
   view.connectBox('show-map', data.status !== 'collision', (isOn) => {
     look.isMapped.value = isOn;
     byId('legend').hidden = !isOn;

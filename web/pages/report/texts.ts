@@ -3,10 +3,10 @@
 
 /** The answer in words, tiles and tables. */
 
-import { byId, element, fillTable } from '../shared/dom.ts';
+import { byId, fillTable } from '../shared/dom.ts';
 import { grouped, shown, shownLength, shownPoint, shownTime, unitNote, withUnit } from '../shared/numbers.ts';
-import { clashWords, placeOf, statusWords } from '../viewer/clashes.ts';
-import { fillModels, shownBounds, tile } from '../viewer/texts.ts';
+import { badClashes, clashWords, placeOf, statusWords, toleranceRows } from '../viewer/clashes.ts';
+import { clearanceVerdict, fillModels, shownBounds, tile } from '../viewer/texts.ts';
 import type { ModelData, ReportData, ReportModel } from './model.ts';
 
 /** The distance as it stands next to the closest points. */
@@ -16,21 +16,26 @@ export function showTiles(data: ReportData, models: readonly ReportModel[]): voi
   const tiles = [];
   if (data.min_clearance !== null) {
     const required = shownLength(data.min_clearance);
-    if (data.too_close !== true) tiles.push(tile('\u2713 Kept', `a clearance of ${required} is required`, 'good'));
+    if (data.too_close === null) tiles.push(tile('? Cannot tell', `a clearance of ${required} is required`, 'bad'));
+    else if (!data.too_close) tiles.push(tile('\u2713 Kept', `a clearance of ${required} is required`, 'good'));
     else tiles.push(tile('\u2717 Too close', `a clearance of ${required} is required${missing(data)}`, 'bad'));
   }
-  const [isHard, meets] = [data.clash === 'hard_clash', data.status === 'collision'];
-  if (isHard || meets) {
-    const kind = data.clash === 'touching' ? '' : 'bad';
-    tiles.push(tile(clashWords[data.clash], placeOf(data), kind));
-  }
+  const [isBad, meets] = [badClashes.includes(data.clash), data.status === 'collision'];
+  if (isBad || meets) tiles.push(tile(clashWords[data.clash], placeOf(data), isBad ? 'bad' : ''));
+  if (data.depth !== null) tiles.push(tile(shownLength(data.depth), 'deep at least', isBad ? 'bad' : ''));
   if (meets) tiles.push(tile(grouped(data.intersections), 'pairs of triangles intersect'));
-  else tiles.push(tile(capital(shownDistance(data)), `${isHard ? 'between surfaces' : 'clearance'}${unitNote()}`));
+  else
+    tiles.push(
+      tile(capital(shownDistance(data)), `${isBad ? 'between surfaces' : 'clearance'} ${ofMeshes(data)}${unitNote()}`),
+    );
   for (const [i, { data: model }] of models.entries()) {
     tiles.push(tile(grouped(model.triangles), `triangles of ${'AB'[i]}, ${shownSize(model, 4)}`));
   }
   byId('tiles').append(...tiles);
 }
+
+/** Whether curved parts may be nearer than their meshes. */
+export const ofMeshes = ({ mesh_error: error }: ReportData): string => (error > 0 ? 'of the parts' : 'of the meshes');
 
 function missing({ min_clearance: required, upper, status, clash }: ReportData): string {
   if (required === null || upper === null || status !== 'exact' || clash === 'hard_clash') return '';
@@ -48,10 +53,10 @@ export function showAnswer(data: ReportData): void {
   ];
   if (data.upper !== null) rows.push(['Distance, upper bound', String(data.upper)]);
   if (data.min_clearance !== null) {
-    const verdict = data.too_close === true ? element('span', 'bad', 'below') : element('span', 'good', 'at least');
-    rows.push([`Required clearance`, String(data.min_clearance)], ['Clearance is', verdict]);
+    rows.push([`Required clearance`, String(data.min_clearance)], ['Clearance is', clearanceVerdict(data.too_close)]);
   }
-  if (data.max_depth !== null) rows.push(['Depth of the deepest vertex', String(data.max_depth)]);
+  if (data.depth !== null) rows.push(['Depth, at least', String(data.depth)]);
+  rows.push(...toleranceRows(data));
   if (data.max_distance !== null) rows.push(['Largest distance asked for', String(data.max_distance)]);
   if (data.relative_error > 0) rows.push(['Allowed relative error', String(data.relative_error)]);
   if (data.absolute_error > 0) rows.push(['Allowed absolute error', String(data.absolute_error)]);

@@ -12,6 +12,7 @@ import { partName, shownDistance } from './texts.ts';
 /** What stands in a cell: readers who see no colours tell them apart, too. */
 const symbols: Record<Clash, string> = {
   hard_clash: '\u2715',
+  cannot_tell: '?',
   surfaces_meet: '\u00d7',
   touching: '=',
   clearance: '!',
@@ -50,9 +51,11 @@ export class Matrix {
     });
     rows.clash.forEach((clash, row) => {
       const [column, line] = [rows.a[row], rows.b[row]].sort((a, b) => a - b);
-      const button = element('button', clash, symbols[clash]);
+      const accepted = rows.accepted[row] !== null;
+      const button = element('button', `${clash}${accepted ? ' accepted' : ''}`, symbols[clash]);
       const names = `${partName(study, line)} and ${partName(study, column)}`;
-      button.title = `${names}: ${clashWords[clash].toLowerCase()}, ${shownDistance(study, row)}`;
+      const kind = `${clashWords[clash].toLowerCase()}${accepted ? ', accepted' : ''}`;
+      button.title = `${names}: ${kind}, ${shownDistance(study, row)}`;
       button.setAttribute('aria-label', button.title);
       button.tabIndex = -1;
       button.dataset.row = String(row);

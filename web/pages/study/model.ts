@@ -9,7 +9,7 @@ import type { QuantizedPoints } from '../shared/decode.ts';
 import type { Mesh } from '../shared/surface.ts';
 import { matrixInFrame } from '../shared/viewer.ts';
 import type { Frame } from '../shared/viewer.ts';
-import type { Clash, Inside, Solids } from '../viewer/clashes.ts';
+import type { Clash, Inside, Solids, Tolerances } from '../viewer/clashes.ts';
 
 type Point = [number, number, number];
 
@@ -40,15 +40,19 @@ export interface Rows {
   solids: Solids[];
   too_close: (boolean | null)[];
   inside: Inside[];
-  /** Of the deepest vertex of either in the other; of hard clashes of closed models. */
-  max_depth: (number | null)[];
+  /** No shorter translation takes one out of the other; of closed models that overlap. */
+  depth: (number | null)[];
+  /** The line of the file of accepted pairs. */
+  accepted: (number | null)[];
   /** Ids of triangles of both that intersect the other. */
   intersecting: ([string, string] | null)[];
   query_us: number[];
+  /** Their numbers in the table that the program has written. */
+  row: number[];
 }
 
 export interface StudyData {
-  study: {
+  study: Tolerances & {
     kind: 'pairs' | 'parts';
     min_clearance: number | null;
     max_distance: number | null;
@@ -56,6 +60,12 @@ export interface StudyData {
     absolute_error: number;
     /** What stands somewhere: lists of names, of files as typed, of numbers of models; and poses. */
     parts: { name: string[]; file: string[]; model: number[]; poses: string };
+    /** How many pairs are of each kind and not accepted, also where the page does not have them all. */
+    counts: Partial<Record<Clash, number>>;
+    accepted: number;
+    /** Without those that are accepted. */
+    too_close: number;
+    worst_first: number[];
     rows: Rows;
   };
   models: ModelData[];
@@ -87,30 +97,4 @@ export class StudyModel {
   matrixAt(pose: Matrix4, frame: Frame): Matrix4 {
     return matrixInFrame(frame).multiply(pose).multiply(this.own);
   }
-}
-
-/** The worst kinds first. Those of one number are told apart by their distance. */
-const severities: Record<Clash, number> = {
-  hard_clash: 0,
-  surfaces_meet: 1,
-  touching: 2,
-  clearance: 3,
-  clear: 3,
-  surfaces_apart: 3,
-};
-
-/** The numbers of all rows, the worst first: hard clashes, the deepest first; then the nearest. */
-export function worstFirst({ clash, max_depth: depth, lower, upper }: Rows): number[] {
-  const keys = clash.map((word, row) => [
-    severities[word],
-    -(depth[row] ?? 0),
-    lower[row] ?? Infinity,
-    upper[row] ?? Infinity,
-    row,
-  ]);
-  const compare = (a: readonly number[], b: readonly number[]): number => {
-    const differing = a.findIndex((key, i) => key !== b[i]);
-    return differing < 0 ? 0 : a[differing] < b[differing] ? -1 : 1;
-  };
-  return keys.map((_, row) => row).sort((r, s) => compare(keys[r], keys[s]));
 }

@@ -7,18 +7,18 @@
  */
 
 import { Chart } from '../replay/chart.ts';
-import type { ChartOptions, Dots } from '../replay/chart.ts';
+import type { ChartOptions, Curve, Dots } from '../replay/chart.ts';
 import { limitAt } from '../replay/charts.ts';
 import { byId, element } from '../shared/dom.ts';
 import { inUnit } from '../shared/numbers.ts';
-import { clashWords } from '../viewer/clashes.ts';
 import { RowList } from '../viewer/row_list.ts';
 import { Matrix } from './matrix.ts';
-import { worstFirst } from './model.ts';
 import type { StudyData } from './model.ts';
 import {
   clashText,
   isOfOnePair,
+  kindOf,
+  pairName,
   partName,
   rowName,
   showKind,
@@ -29,22 +29,30 @@ import {
 } from './texts.ts';
 import { StudyView } from './view.ts';
 
+const mostInMatrix = 200; // parts
+
 export function showStudy(data: StudyData): void {
   const { study } = data;
-  const order = worstFirst(study.rows);
+  const order = study.worst_first;
   showKind(data);
   showTiles(study, order[0]);
   showModels(data);
+  const isMatrix = study.kind === 'parts' && study.parts.name.length <= mostInMatrix;
+  byId(study.kind === 'parts' ? 'charts-section' : 'matrix-section').remove();
+  if (study.kind === 'parts' && !isMatrix) byId('matrix-section').remove();
+  if (order.length === 0) {
+    for (const part of document.querySelectorAll('.pair, section:has(#answer), #matrix-section')) part.remove();
+    return;
+  }
   const select = (row: number): void => {
     view.show(row);
     showPair(study, row);
     for (const shown of shows) shown.show(row);
   };
   const list = listOf(study, order, select);
-  const isMatrix = study.kind === 'parts';
-  byId(isMatrix ? 'charts-section' : 'matrix-section').remove();
-  const map = isMatrix ? new Matrix(study, select) : new Chart(byId('charts'), chartOf(study), select);
-  const shows = [list, map];
+  const shows: { show(row: number): void }[] = [list];
+  if (isMatrix) shows.push(new Matrix(study, select));
+  else if (study.kind === 'pairs') shows.push(new Chart(byId('charts'), chartOf(study), select));
   byId('back').addEventListener('click', () => list.step(-1));
   byId('forward').addEventListener('click', () => list.step(1));
   const view = new StudyView(data, order[0]);
@@ -59,9 +67,9 @@ function listOf(study: StudyData['study'], order: readonly number[], select: (ro
     [rows.a, rows.b].map((side) => element('div', '', partName(study, side[row])));
   const listed = order.map((row) => ({
     row,
-    kind: clashWords[rows.clash[row]],
+    kind: kindOf(study, row),
     cells: [
-      String(row),
+      String(rows.row[row]),
       ...names.map(() => element('span', 'wrapping', ...namesOf(row))),
       clashText(study, row),
       shownDistance(study, row),
@@ -70,7 +78,38 @@ function listOf(study: StudyData['study'], order: readonly number[], select: (ro
   return new RowList([rowName(study), ...names, 'Clash', 'Distance'], listed, select);
 }
 
-function chartOf({ rows, min_clearance }: StudyData['study']): ChartOptions {
+const mostLines = 50;
+
+/** The rows of each two models, which may stand in many poses. */
+function rowsByModels({ rows, parts: { model } }: StudyData['study']): number[][] {
+  const groups = new Map<string, number[]>();
+  rows.a.forEach((a, row) => {
+    const key = `${model[a]} ${model[rows.b[row]]}`;
+    groups.set(key, [...(groups.get(key) ?? []), row]);
+  });
+  return [...groups.values()];
+}
+
+/** A curve for each two models, whose rows need not follow each other. */
+function curvesOf(study: StudyData['study'], isInterval: boolean): Curve[] {
+  const { upper, lower } = study.rows;
+  const groups = rowsByModels(study);
+  const lines = groups.filter((rows) => rows.length > 1).slice(0, mostLines);
+  const single = groups.filter((rows) => !lines.includes(rows)).flat();
+  const curves = (name: string, color: string, values: typeof upper): Curve[] =>
+    [...lines, ...(single.length > 0 ? [single] : [])].map((rows, i) => {
+      const own = new Set(rows);
+      const ofOwn = values.map((value, row) => (own.has(row) ? value : null));
+      return { name: i === 0 ? name : undefined, color, values: ofOwn, gaps: rows === single ? 'dots' : 'spanned' };
+    });
+  return [
+    ...curves(isInterval ? 'upper bound' : 'distance', 'model-a', upper),
+    ...(isInterval ? curves('lower bound', 'model-b', lower) : []),
+  ];
+}
+
+function chartOf(study: StudyData['study']): ChartOptions {
+  const { rows, min_clearance } = study;
   const isInterval = rows.lower.some((lower, row) => lower !== rows.upper[row]);
   const dotsOf = (name: string, color: string, size: number, isMeant: (row: number) => boolean): Dots[] => {
     const values = rows.upper.map((upper, row) => (isMeant(row) ? (upper ?? rows.lower[row]) : null));
@@ -80,13 +119,12 @@ function chartOf({ rows, min_clearance }: StudyData['study']): ChartOptions {
   return {
     title: 'Distance',
     unit: `of surfaces, ${inUnit()}; by row`,
-    areas: isInterval ? [{ color: 'model-a', low: rows.lower, high: rows.upper }] : [],
-    curves: [
-      { name: isInterval ? 'upper bound' : 'distance', color: 'model-a', values: rows.upper },
-      ...(isInterval ? [{ name: 'lower bound', color: 'model-b', values: rows.lower }] : []),
-    ],
+    areas: isInterval && isOfOnePair(study) ? [{ color: 'model-a', low: rows.lower, high: rows.upper }] : [],
+    curves: curvesOf(study, isInterval),
+    names: rows.row.map((number, row) => `${number}${isOfOnePair(study) ? '' : `: ${pairName(study, row)}`}`),
     dots: [
       ...dotsOf('hard clash', 'mark', 8, (row) => clash[row] === 'hard_clash'),
+      ...dotsOf('cannot tell', 'ink', 8, (row) => clash[row] === 'cannot_tell'),
       ...dotsOf('surfaces meet', 'ink', 7, (row) => clash[row] === 'surfaces_meet'),
       ...dotsOf('touching', 'edge', 7, (row) => clash[row] === 'touching'),
       ...dotsOf('below the clearance', 'model-b', 6, (row) => clash[row] === 'clearance' && too_close[row] === true),

@@ -5,9 +5,9 @@
 
 import { byId, element, fillTable } from '../shared/dom.ts';
 import { grouped, shown, shownLength, shownPoint, shownTime, unitNote, withUnit } from '../shared/numbers.ts';
-import { clashWords, placeOf, statusWords } from '../viewer/clashes.ts';
+import { badClashes, clashWords, placeOf, statusWords, toleranceRows } from '../viewer/clashes.ts';
 import type { Clash } from '../viewer/clashes.ts';
-import { shownBounds, tile } from '../viewer/texts.ts';
+import { clearanceVerdict, shownBounds, tile } from '../viewer/texts.ts';
 import type { ModelData, StudyData } from './model.ts';
 
 type Study = StudyData['study'];
@@ -16,6 +16,15 @@ const count = (number: number, one: string, many: string): string => `${grouped(
 
 /** What the rows of the study are called. */
 export const rowName = ({ kind }: Study): string => (kind === 'pairs' ? 'Row' : 'Pair');
+const numberedRow = (study: Study, row: number): string => `${rowName(study)} ${grouped(study.rows.row[row])}`;
+
+/** How many pairs the study is about: more than the page has, where they are too many for it. */
+const totalOf = ({ counts, accepted }: Study): number =>
+  Object.values(counts).reduce((sum, number) => sum + number, accepted);
+
+/** Both names of a row. */
+export const pairName = (study: Study, row: number): string =>
+  `${partName(study, study.rows.a[row])} and ${partName(study, study.rows.b[row])}`;
 
 /** A part as the page names it: its number tells equal names apart. */
 export function partName({ kind, parts }: Study, part: number): string {
@@ -34,67 +43,82 @@ export function usualTitle(study: Study, models: readonly ModelData[]): string {
   return `${count(study.rows.a.length, 'pair', 'pairs')} of ${count(models.length, 'model', 'models')}`;
 }
 
-/** The distance of a row; of a hard clash, how deep it is, which is known where a vertex of one is in the other. */
-export function shownDistance({ rows: { clash, max_depth: depth, lower, upper } }: Study, row: number): string {
+/** The distance of a row; of models that overlap, how deep that is at least. */
+export function shownDistance({ rows: { depth, lower, upper } }: Study, row: number): string {
   const deep = depth[row];
-  if (clash[row] === 'hard_clash') return deep !== null && deep > 0 ? `${shownLength(deep)} deep` : 'no vertex inside';
+  if (deep !== null) return `${shownLength(deep)} deep`;
   if (upper[row] === 0) return '0';
   return withUnit(shownBounds(lower[row], upper[row]));
 }
 
-const isBad = (study: Study, row: number): boolean =>
-  study.rows.too_close[row] ?? ['hard_clash', 'surfaces_meet'].includes(study.rows.clash[row]);
+const isBad = ({ rows }: Study, row: number): boolean =>
+  rows.accepted[row] === null && (rows.too_close[row] ?? badClashes.includes(rows.clash[row]));
+
+/** The kinds by which readers part the list. */
+export const kindOf = ({ rows }: Study, row: number): string =>
+  rows.accepted[row] === null ? clashWords[rows.clash[row]] : 'Accepted';
 
 export function clashText(study: Study, row: number): HTMLElement {
-  const kind = isBad(study, row) ? 'bad' : study.min_clearance === null ? '' : 'good';
-  return element('span', `wrapping ${kind}`, clashWords[study.rows.clash[row]]);
+  const accepted = study.rows.accepted[row] !== null;
+  const kind = isBad(study, row) ? 'bad' : accepted || study.min_clearance === null ? '' : 'good';
+  return element('span', `wrapping ${kind}`, clashWords[study.rows.clash[row]], accepted ? ', accepted' : '');
 }
 
 export function showKind({ study }: StudyData): void {
-  const pairs = count(study.rows.a.length, 'pair', 'pairs');
-  byId('kind').textContent = `limber distance, ${pairs}`;
+  byId('kind').textContent = `limber distance, ${count(totalOf(study), 'pair', 'pairs')}`;
+  const listed = study.rows.row.length;
+  if (listed < totalOf(study)) byId('rows-title').textContent = `The worst ${grouped(listed)} pairs, the worst first`;
 }
 
 /** The verdict, the worst, and what kinds there are. */
-export function showTiles(study: Study, worst: number): void {
-  const { rows, min_clearance: required } = study;
-  const total = rows.a.length;
+export function showTiles(study: Study, worst: number | undefined): void {
+  const { rows, counts, accepted, min_clearance: required } = study;
+  const total = totalOf(study);
   const all = total === 1 ? 'the only pair' : `all ${grouped(total)} pairs`;
   const tiles = [];
+  if (total === 0) {
+    const text = `of the parts are within ${shownLength(study.max_distance ?? Infinity)} of each other`;
+    return byId('tiles').append(tile('None', text, 'good'));
+  }
   if (required !== null) {
-    const broken = rows.too_close.filter((is) => is).length;
-    if (broken === 0) tiles.push(tile('\u2713 Kept', `a clearance of ${shownLength(required)}, in ${all}`, 'good'));
-    else {
+    const broken = study.too_close;
+    const open = counts.cannot_tell ?? 0;
+    if (broken + open === 0)
+      tiles.push(tile('\u2713 Kept', `a clearance of ${shownLength(required)}, in ${all}`, 'good'));
+    else if (broken > 0) {
       const text = `${broken === 1 ? 'is' : 'are'} closer than the required ${shownLength(required)}`;
       tiles.push(tile(`\u2717 ${grouped(broken)} of ${grouped(total)}`, text, 'bad'));
     }
   }
-  const deep = rows.max_depth[worst] === null ? '' : `, ${shownDistance(study, worst)}`;
-  const word = ['hard_clash', 'surfaces_meet', 'touching'].includes(rows.clash[worst])
-    ? clashWords[rows.clash[worst]]
-    : capital(shownDistance(study, worst));
-  const where = `the worst: ${rowName(study).toLowerCase()} ${grouped(worst)}${pairText(study, worst)}${deep}`;
-  tiles.push(tile(word, where, isBad(study, worst) ? 'bad' : ''));
+  if (worst !== undefined) {
+    const deep = rows.depth[worst] === null ? '' : `, ${shownDistance(study, worst)}`;
+    const word = [...badClashes, 'touching'].includes(rows.clash[worst])
+      ? clashWords[rows.clash[worst]]
+      : capital(shownDistance(study, worst));
+    const where = `the worst: ${numberedRow(study, worst).toLowerCase()}${pairText(study, worst)}${deep}`;
+    tiles.push(tile(word, where, isBad(study, worst) ? 'bad' : ''));
+  }
   const kinds = (Object.keys(clashWords) as Clash[])
-    .map((clash) => [clash, rows.clash.filter((word) => word === clash).length] as const)
-    .filter(([clash, number]) => number > 0 && ['hard_clash', 'surfaces_meet', 'touching'].includes(clash));
+    .map((clash) => [clash, counts[clash] ?? 0] as const)
+    .filter(([clash, number]) => number > 0 && [...badClashes, 'touching'].includes(clash));
   if (kinds.length === 0) tiles.push(tile('None', 'of the pairs meet', 'good'));
   for (const [clash, number] of kinds) {
     tiles.push(tile(grouped(number), plural(clash, number), clash === 'touching' ? '' : 'bad'));
   }
+  if (accepted > 0) tiles.push(tile(grouped(accepted), accepted === 1 ? 'pair is accepted' : 'pairs are accepted'));
   byId('tiles').append(...tiles);
 }
 
 const plural = (clash: Clash, number: number): string =>
   ({
     hard_clash: number === 1 ? 'hard clash' : 'hard clashes',
+    cannot_tell: `${number === 1 ? 'pair' : 'pairs'} of which the meshes cannot tell`,
     surfaces_meet: `${number === 1 ? 'pair of surfaces meets' : 'pairs of surfaces meet'}, not all closed`,
     touching: number === 1 ? 'pair touches' : 'pairs touch',
   })[clash as string] ?? clash;
 
 function pairText(study: Study, row: number): string {
-  if (isOfOnePair(study)) return '';
-  return `, ${partName(study, study.rows.a[row])} and ${partName(study, study.rows.b[row])}`;
+  return isOfOnePair(study) ? '' : `, ${pairName(study, row)}`;
 }
 
 const capital = (text: string): string => text[0].toUpperCase() + text.slice(1);
@@ -114,10 +138,11 @@ export function showPair(study: Study, row: number): void {
     ['Distance, upper bound', rows.upper[row] === null ? 'none' : String(rows.upper[row])],
   ];
   if (required !== null) {
-    const verdict = rows.too_close[row] ? element('span', 'bad', 'below') : element('span', 'good', 'at least');
-    lines.push(['Required clearance', String(required)], ['Clearance is', verdict]);
+    lines.push(['Required clearance', String(required)], ['Clearance is', clearanceVerdict(rows.too_close[row])]);
   }
-  if (rows.max_depth[row] !== null) lines.push(['Depth of the deepest vertex', String(rows.max_depth[row])]);
+  if (rows.depth[row] !== null) lines.push(['Depth, at least', String(rows.depth[row])]);
+  lines.push(...toleranceRows(study));
+  if (rows.accepted[row] !== null) lines.push(['Accepted by', `line ${rows.accepted[row]} of --accept`]);
   const witness = rows.witness[row];
   if (witness !== null) {
     const kind = rows.status[row] === 'collision' ? 'Shared point' : 'Closest point';
@@ -127,7 +152,7 @@ export function showPair(study: Study, row: number): void {
   }
   lines.push(['Time', shownTime(rows.query_us[row])]);
   fillTable(byId('answer'), lines);
-  byId('answer-title').textContent = `${rowName(study)} ${grouped(row)}: ${clashWords[at.clash].toLowerCase()}`;
+  byId('answer-title').textContent = `${numberedRow(study, row)}: ${clashWords[at.clash].toLowerCase()}`;
 }
 
 /** A name, and the file where that is another text. */

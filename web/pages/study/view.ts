@@ -15,7 +15,7 @@ import { ModelsView } from '../viewer/models_view.ts';
 import { shownBounds } from '../viewer/texts.ts';
 import { StudyModel } from './model.ts';
 import type { StudyData } from './model.ts';
-import { rowName } from './texts.ts';
+import { pairName, rowName } from './texts.ts';
 
 const otherOpacity = 0.1; // of parts that are not asked about
 const clearOpacity = 0.3; // of what is seen through to see another
@@ -60,7 +60,7 @@ export class StudyView {
     });
     byId('others-label').hidden = study.kind !== 'parts';
     this.view.connectBox('show-others', study.kind === 'parts', () => this.showOthers());
-    this.view.connectBox('see-through', false, () => this.showThrough());
+    this.view.connectBox('see-through', this.meets(), () => this.showThrough());
   }
 
   /** Shows another row, from the same side. */
@@ -118,6 +118,7 @@ export class StudyView {
     this.view.replace(surfaces);
     this.pair = pair;
     this.row = row;
+    byId<HTMLInputElement>('see-through').checked = this.meets();
     this.showOthers();
     this.showThrough();
     this.showMarks(row, frame);
@@ -126,6 +127,11 @@ export class StudyView {
   private showOthers(): void {
     const isOn = byId<HTMLInputElement>('show-others').checked;
     this.others.forEach(({ object }, part) => (object.visible = isOn && !this.pair.includes(part)));
+  }
+
+  /** Where models meet, each hides it from the other side. */
+  private meets(): boolean {
+    return this.study.rows.status[this.row] === 'collision';
   }
 
   /** What encloses the other is seen through anyhow. */
@@ -156,7 +162,7 @@ export class StudyView {
 
   private captionOf(row: number): string {
     const { rows } = this.study;
-    const start = `${rowName(this.study)} ${grouped(row)}. `;
+    const start = `${rowName(this.study)} ${grouped(rows.row[row])}: ${pairName(this.study, row)}. `;
     if (rows.witness[row] === null) return `${start}No closest points are known.`;
     if (rows.status[row] !== 'collision') return `${start}The red segment joins the closest points.`;
     const marked = rows.intersecting[row] === null ? '' : ' The triangles that intersect are yellow.';

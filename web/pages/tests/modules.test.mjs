@@ -15,7 +15,6 @@ const { shown, grouped, inPage, percentile, ticks, roundAbove, roundBelow } = aw
 const { windowLength, windowsOf } = await module('replay/charts.ts');
 const { stepsOf } = await module('haptics/haptics.ts');
 const { labelPlace } = await module('shared/marks.ts');
-const { worstFirst } = await module('study/model.ts');
 const { worstFirst: worstFrames } = await module('replay/model.ts');
 const { mapColors } = await module('shared/surface.ts');
 
@@ -170,30 +169,19 @@ test('ticks are round and few, and end whatever the range', () => {
   }
 });
 
-test('the worst of a study come first', () => {
-  const clash = ['clear', 'touching', 'hard_clash', 'clearance', 'hard_clash', 'clear', 'surfaces_meet', 'clear'];
-  const lower = [3, 0, 0, 1, 4, 2, 0, 5];
-  const upper = [3.5, 0, 0, 1, 4, 2.5, 0, null];
-  const depth = [null, null, 0.5, null, 2, null, null, null];
-  assert.deepEqual(worstFirst({ clash, max_depth: depth, lower, upper }), [4, 2, 6, 1, 3, 5, 0, 7]);
-  // Equal ones stay in the order of the file.
-  const equal = { clash: Array(3).fill('clear'), max_depth: [null, null, null], lower: [1, 1, 1], upper: [1, 1, 1] };
-  assert.deepEqual(worstFirst(equal), [0, 1, 2]);
-});
-
 test('the worst frames come first', () => {
   const rows = {
     status: ['exact', 'collision', 'exact', 'beyond_limit', 'exact', 'exact'],
     lower: [2, 0, 1, 9, 1, 7],
     upper: [2, 0, 1.5, null, 1, 7],
-    max_depth: Array(6).fill(null),
+    depth: Array(6).fill(null),
   };
   assert.deepEqual(worstFrames({ rows, impacts: [] }), [1, 4, 2, 0, 5, 3]);
   const status = [null, 'clear', 'clear', 'clear', 'clear', 'contact'];
   assert.deepEqual(worstFrames({ rows, impacts: [{ name: 'impact', status }] }), [1, 5, 4, 2, 0, 3]);
   // What a model does with itself is not between both.
   assert.deepEqual(worstFrames({ rows, impacts: [{ name: 'impact_self_a', status }] })[0], 1);
-  const deep = { ...rows, max_depth: [0.5, 0, 1, 0, 0, 0] };
+  const deep = { ...rows, depth: [0.5, 0, 1, 0, 0, 0] };
   assert.deepEqual(worstFrames({ rows: deep, impacts: [] }), [2, 0, 1, 4, 5, 3]);
 });
 

@@ -40,8 +40,8 @@ export function limber(...words) {
   const { status, stdout, stderr } = spawnSync(program, words, { encoding: 'utf8', maxBuffer: 1 << 28 });
   if (status !== 0 && status !== 3) throw new Error(`limber ${words.join(' ')}: ${stderr}`);
   return stdout
-    .trim()
     .split('\n')
+    .filter((line) => line !== '')
     .map((line) => JSON.parse(line));
 }
 

@@ -59,6 +59,12 @@ export interface Making {
 export const tile = (number: string, name: string, kind = ''): HTMLElement =>
   element('div', '', element('b', kind, number), element('span', 'soft', name));
 
+/** Whether a clearance is kept. */
+export const clearanceVerdict = (isTooClose: boolean | null): HTMLElement =>
+  isTooClose === false
+    ? element('span', 'good', 'at least')
+    : element('span', 'bad', isTooClose ? 'below' : 'not known for the parts');
+
 /** The table of both models: what both views tell of them, and `more`. */
 export function fillModels<Model extends { data: { name: string; triangles: number; vertices: number } }>(
   models: readonly Model[],
