@@ -101,7 +101,8 @@ LIMBER_KERNEL unsigned are_outside(const VectorsAtTime& a, const VectorsAtTime& 
 }
 
 /// A bit mask of pairs that certainly do not touch.
-LIMBER_KERNEL unsigned exclude(const VectorsAtTime& start, const VectorsAtTime& end, bool are_faces, double max_time) {
+LIMBER_KERNEL unsigned exclude(const VectorsAtTime& start, const VectorsAtTime& end, bool are_faces,
+                               const MotionLimits& limits) {
   const Quad u = max(largest_abs(start.u), largest_abs(end.u)), v = max(largest_abs(start.v), largest_abs(end.v));
   const Quad w = max(largest_abs(start.w), largest_abs(end.w));
   // Products neither overflow nor lose anything to underflow that counts.
@@ -113,7 +114,7 @@ LIMBER_KERNEL unsigned exclude(const VectorsAtTime& start, const VectorsAtTime& 
     return VectorsAtTime{start.u + motion.u * t, start.v + motion.v * t, start.w + motion.w * t};
   };
   unsigned open = bits(is_ordinary), excluded = 0;
-  Quad piece_begin = Quad::set(0), piece_end = Quad::set(max_time);
+  Quad piece_begin = Quad::set(limits.begin), piece_end = Quad::set(limits.end);
   constexpr int most_pieces = 4;
   for (int i = 0; i < most_pieces; ++i) {
     const VectorsAtTime a = at(piece_begin), b = at(piece_end);
@@ -132,7 +133,7 @@ LIMBER_KERNEL unsigned exclude(const VectorsAtTime& start, const VectorsAtTime& 
   return excluded;
 }
 
-LIMBER_KERNEL unsigned exclude_impacts(const MovingPairs& pairs, bool are_faces, double max_time) {
+LIMBER_KERNEL unsigned exclude_impacts(const MovingPairs& pairs, bool are_faces, const MotionLimits& limits) {
   unsigned excluded = 0;
   for (std::uint32_t i = 0; i < MovingPairs::room; i += Quad::lanes) {
     const auto load = [&](const Vec3* vectors) {
@@ -142,7 +143,7 @@ LIMBER_KERNEL unsigned exclude_impacts(const MovingPairs& pairs, bool are_faces,
     };
     const VectorsAtTime start{load(pairs.u[0]), load(pairs.v[0]), load(pairs.w[0])};
     const VectorsAtTime end{load(pairs.u[1]), load(pairs.v[1]), load(pairs.w[1])};
-    excluded |= exclude(start, end, are_faces, max_time) << i;
+    excluded |= exclude(start, end, are_faces, limits) << i;
   }
   return excluded;
 }

@@ -68,24 +68,27 @@ LIMBER_KERNEL void find_impact_candidates(const bvh::MovingLeaf& a, const bvh::M
                                           OwnedElements owned_by_b, const SelfPair* self, ElementCandidates& found) {
   found.vertex_face.count = found.face_vertex.count = found.edge_edge.count = 0;
   if (limits.at_any_pace) return find_at_any_pace(a, b, limits.separation, owned_by_a, owned_by_b, self, found);
-  // From the center of a to that of b, and the size of the pair, at the start and at the last time that matters.
-  // Centers are exact, so all rounding is in proportion to that size.
-  const double last = limits.max_time;
+  // From the center of a to that of b, and the size of the pair, at the first and at the last time that matters.
+  // Centers are exact, so all rounding is in proportion to that size, or below 2^-26 of it.
+  const double times[2] = {limits.begin, limits.end};
+  const auto at = [](double time, double start, double end) { return (1 - time) * start + time * end; };
   double offset[2][3], size = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    offset[0][axis] = b.center[0][axis] - a.center[0][axis];
-    offset[1][axis] = (1 - last) * offset[0][axis] + last * (b.center[1][axis] - a.center[1][axis]);
-    size = std::max({size, std::abs(offset[0][axis]), std::abs(offset[1][axis])});
+    const double start = b.center[0][axis] - a.center[0][axis], end = b.center[1][axis] - a.center[1][axis];
+    for (int i = 0; i < 2; ++i) {
+      offset[i][axis] = at(times[i], start, end);
+      size = std::max({size, std::abs(offset[i][axis]), 0x1p-24 * std::abs(start), 0x1p-24 * std::abs(end)});
+    }
   }
   const auto extent = [&](const bvh::MovingLeaf& leaf) {
-    return std::max(leaf.unit[0], (1 - last) * leaf.unit[0] + last * leaf.unit[1]);
+    return std::max(at(times[0], leaf.unit[0], leaf.unit[1]), at(times[1], leaf.unit[0], leaf.unit[1]));
   };
   size += extent(a) + extent(b);
   const double scale = scale_to_one(std::clamp(size, 0x1p-900, 0x1p900));  // all numbers are about 1 or less
   constexpr float none[3] = {0, 0, 0};
   LeafCorners ca[2], cb[2];
   for (int i = 0; i < 2; ++i) {
-    const double time = i == 0 ? 0 : last, of_start = (1 - time) * scale, of_end = time * scale;
+    const double of_start = (1 - times[i]) * scale, of_end = times[i] * scale;
     float shift[3];
     for (int axis = 0; axis < 3; ++axis) shift[axis] = static_cast<float>(offset[i][axis] * scale);
     combine(a, of_start * a.unit[0], of_end * a.unit[1], none, ca[i]);

@@ -29,25 +29,32 @@ struct MovingInterval {
   Doubles low[bvh::motion_ends], high[bvh::motion_ends];
 };
 
-/// A lower bound of the time at which two boxes are within a separation along one axis; above 1 if they never are. Gaps
-/// are linear in time, so it is where the gap that is there at the start closes. The quotient is not rounded down.
-LIMBER_KERNEL Doubles meeting_time(const MovingInterval& a, const MovingInterval& b, Doubles separation) {
+/// From when until when two boxes are within a separation along one axis; from 2 on if they never are. Gaps are linear
+/// in time, so they begin to be where the gap that is there at the start closes, and cease to be where the gap that is
+/// there at the end opens. Quotients are rounded to the nearest number.
+struct Meeting {
+  Doubles first, last;
+};
+LIMBER_KERNEL Meeting meeting(const MovingInterval& a, const MovingInterval& b, Doubles separation) {
   Doubles above[bvh::motion_ends], below[bvh::motion_ends];
   for (std::uint32_t end = 0; end < bvh::motion_ends; ++end) {
     above[end] = rounded_down(rounded_down(a.low[end] - b.high[end]) - separation);
     below[end] = rounded_down(rounded_down(b.low[end] - a.high[end]) - separation);
   }
-  const DoublesMask is_above = above[0] > below[0];
-  const Doubles start = max(above[0], below[0]), end = select(is_above, above[1], below[1]);
   const Doubles none = Doubles::set(0), never = Doubles::set(2);
-  return select(start > none, select(end > none, never, start / (start - end)), none);
+  // Of the gap that is open at a time, its sizes then and at the other end.
+  const Doubles start = max(above[0], below[0]), start_later = select(above[0] > below[0], above[1], below[1]);
+  const Doubles end = max(above[1], below[1]), end_earlier = select(above[1] > below[1], above[0], below[0]);
+  return {select(start > none, select(start_later > none, never, start / (start - start_later)), none),
+          select(end > none, end_earlier / (end_earlier - end), never)};
 }
 
 LIMBER_KERNEL unsigned find_meeting_children(const bvh::MovingNode& node, const bvh::MovingBox& other,
-                                             double separation, double max_time, double* first_time) {
+                                             const MotionLimits& limits, MeetingTimes& times) {
+  const Doubles separation = Doubles::set(limits.separation), tiny = Doubles::set(base::tiny_time);
   unsigned found = 0;
   for (std::uint32_t i = 0; i < width; i += Doubles::lanes) {
-    Doubles time = Doubles::set(0);
+    Doubles first = Doubles::set(0), last = Doubles::set(2);
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       MovingInterval child, whole;
       for (std::uint32_t end = 0; end < bvh::motion_ends; ++end) {
@@ -55,13 +62,14 @@ LIMBER_KERNEL unsigned find_meeting_children(const bvh::MovingNode& node, const 
         child.high[end] = Doubles::load(node.high[end][axis] + i);
         whole.low[end] = Doubles::set(other.low[end][axis]), whole.high[end] = Doubles::set(other.high[end][axis]);
       }
-      time = max(time, meeting_time(child, whole, Doubles::set(separation)));
+      const Meeting along = meeting(child, whole, separation);
+      first = max(first, along.first), last = min(last, along.last);
     }
-    // The quotient has been rounded twice, and is once more; what may have underflowed becomes 0.
-    const Doubles down = time * Doubles::set(1 - 8 * base::rounding_error) - Doubles::set(base::tiny_time);
-    const Doubles earliest = max(down, Doubles::set(0));
-    found |= bits(earliest <= Doubles::set(max_time)) << i;
-    earliest.store(first_time + i);
+    // Quotients have been rounded twice, and are once more; what may have underflowed becomes 0, or is made larger.
+    first = max(first * Doubles::set(1 - 8 * base::rounding_error) - tiny, Doubles::set(limits.begin));
+    last = min(last * Doubles::set(1 + 8 * base::rounding_error) + tiny, Doubles::set(limits.end));
+    found |= bits(first <= last) << i;
+    first.store(times.first + i), last.store(times.last + i);
   }
   return found;
 }

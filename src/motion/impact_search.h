@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -23,7 +24,7 @@ namespace limber::motion {
 /// Slots of two moving trees, or of one.
 struct SlotPair {
   bvh::SlotId slot[2];
-  double first_time;  ///< a lower bound of the time at which the boxes of both meet
+  double first_time, last_time;  ///< bounds of the times at which the boxes of both meet
 };
 
 /// A part of a search: one pair of slots and all below.
@@ -49,10 +50,7 @@ template <typename Collector>
 class ImpactSearch {
  public:
   ImpactSearch(const MovingPair& models, double separation, Collector& collector)
-      : models_(models),
-        collector_(collector),
-        kernels_(simd::kernels()),
-        limits_{collector.max_time(), separation, at_any_pace} {}
+      : models_(models), collector_(collector), kernels_(simd::kernels()), separation_(separation) {}
 
   void run(pair::BudgetMeter& meter) {
     push(roots);
@@ -87,11 +85,11 @@ class ImpactSearch {
     return parts;
   }
 
-  /// A time before which none of the pairs that are left touches. A collector that is done may have left pairs of the
+  /// A time before which none of the pairs that are left touches. A search that ends early may have left pairs of the
   /// leaves that were compared last.
   double first_open_time() const {
     double first = std::min(collector_.max_time(), first_below_);
-    if (collector_.is_done()) first = std::min(first, visited_.first_time);
+    if (has_left_pairs_) first = std::min(first, visited_.first_time);
     for (std::uint32_t i = 0; i < size_; ++i) first = std::min(first, stack_[i].first_time);
     return first;
   }
@@ -100,14 +98,17 @@ class ImpactSearch {
 
  private:
   static constexpr bool at_any_pace = requires { requires Collector::at_any_pace; };
-  static constexpr SlotPair roots{{bvh::root_slot, bvh::root_slot}, 0};
+  static constexpr SlotPair roots{{bvh::root_slot, bvh::root_slot}, 0, 1};
+  // As many take longer to compare than to find again.
+  static constexpr std::uint32_t many_candidates = 16;
 
   bool are_leaves(const SlotPair& pair) const {
     return bvh::has_leaf(models_.tree(Side::a), pair.slot[0]) && bvh::has_leaf(models_.tree(Side::b), pair.slot[1]);
   }
 
   void visit_all(pair::BudgetMeter& meter) {
-    for (std::uint64_t steps = 0; size_ > 0 && !collector_.is_done() && !meter.is_spent(steps); ++steps) {
+    meter_ = &meter;
+    for (steps_ = 0; size_ > 0 && !collector_.is_done() && !meter.is_spent(steps_); ++steps_) {
       visited_ = stack_[--size_];
       visit(visited_);
     }
@@ -154,7 +155,7 @@ class ImpactSearch {
     const std::size_t own = index(side), other = 1 - own;
     const std::uint32_t node = bvh::child_of(models_.tree(side), pair.slot[own]);
     const std::uint32_t begin = size_;
-    push_meeting(side, node, box(pair::other(side), pair.slot[other]), ~0U, [&](bvh::SlotId child) {
+    push_meeting(side, node, box(pair::other(side), pair.slot[other]), pair, ~0U, [&](bvh::SlotId child) {
       SlotPair of_child = pair;
       of_child.slot[own] = child;
       return of_child;
@@ -166,30 +167,35 @@ class ImpactSearch {
     LIMBER_ASSERT(!bvh::has_leaf(models_.tree(Side::a), slot));
     const std::uint32_t node = bvh::child_of(models_.tree(Side::a), slot), first = node * bvh::width;
     const std::uint32_t count = models_.tree(Side::a).nodes[node].child_count;
-    for (std::uint32_t k = 0; k < count; ++k) push({{first + k, first + k}, 0});  // below the others, so taken last
+    for (std::uint32_t k = 0; k < count; ++k) push({{first + k, first + k}, 0, 1});  // below the others, so taken last
     const std::uint32_t begin = size_;
     for (std::uint32_t k = 0; k + 1 < count; ++k) {
       const unsigned after = ~0U << (k + 1);
-      push_meeting(Side::a, node, box(Side::a, first + k), after, [&](bvh::SlotId child) {
-        return SlotPair{{first + k, child}, 0};
+      push_meeting(Side::a, node, box(Side::a, first + k), roots, after, [&](bvh::SlotId child) {
+        return SlotPair{{first + k, child}, 0, 1};
       });
     }
     earliest_last(begin);
   }
 
-  /// Pushes pair_of(slot) for the child slots of a node, out of `which`, that may meet a box in time.
+  /// What matters of the time in which the boxes of a pair meet; at any pace each model has a time of its own, so all of it.
+  simd::MotionLimits limits_of(const SlotPair& pair) const {
+    return {pair.first_time, std::min(pair.last_time, collector_.max_time()), separation_, at_any_pace};
+  }
+
+  /// Pushes pair_of(slot) for the child slots of a node, out of `which`, that may meet a box while the parents do.
   template <typename PairOf>
-  void push_meeting(Side side, std::uint32_t node, const bvh::MovingBox& box, unsigned which, const PairOf& pair_of) {
-    double first_time[bvh::width];
-    unsigned found = kernels_.find_meeting_children(models_.node(side, node), box, limits_.separation,
-                                                    collector_.max_time(), first_time);
+  void push_meeting(Side side, std::uint32_t node, const bvh::MovingBox& box, const SlotPair& parents, unsigned which,
+                    const PairOf& pair_of) {
+    simd::MeetingTimes times;
+    unsigned found = kernels_.find_meeting_children(models_.node(side, node), box, limits_of(parents), times);
     const std::uint32_t count = models_.tree(side).nodes[node].child_count;
     stats.node_tests += count;
     found &= which & ((1U << count) - 1);
     for (; found != 0; found &= found - 1) {
       const auto k = static_cast<std::uint32_t>(std::countr_zero(found));
       SlotPair pair = pair_of(node * bvh::width + k);
-      pair.first_time = std::max(pair.first_time, first_time[k]);
+      if (!at_any_pace) pair.first_time = times.first[k], pair.last_time = times.last[k];
       push(pair);
     }
   }
@@ -207,27 +213,84 @@ class ImpactSearch {
   void compare_leaves(const SlotPair& pair) {
     const MovingLeafOf a = models_.leaf(Side::a, pair.slot[0]), b = models_.leaf(Side::b, pair.slot[1]);
     const simd::SelfPair self{a.leaf, b.leaf};
-    limits_.max_time = collector_.max_time();
-    simd::ElementCandidates found;
-    kernels_.find_impact_candidates(a.moving, b.moving, limits_, a.owned, b.owned, models_.is_self() ? &self : nullptr,
-                                    found);
-    compare(found.vertex_face, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
-    compare(found.face_vertex, [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
-    compare(found.edge_edge, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
+    has_left_pairs_ = false;
+    const simd::MotionLimits limits = limits_of(pair);
+    const auto find = [&](const simd::MotionLimits& piece, simd::ElementCandidates& found) {
+      kernels_.find_impact_candidates(a.moving, b.moving, piece, a.owned, b.owned, models_.is_self() ? &self : nullptr,
+                                      found);
+      return found.vertex_face.count + found.face_vertex.count + found.edge_edge.count;
+    };
+    simd::ElementCandidates found, later;
+    later.vertex_face.count = later.face_vertex.count = later.edge_edge.count = 0;
+    // Directions that keep elements apart at both ends of the time seldom do so where leaves turn far or pass each
+    // other. Those of its middle more often do.
+    if (find(limits, found) >= many_candidates && !at_any_pace && turn_or_pass(a.moving, b.moving, limits)) {
+      const double middle = 0.5 * (limits.begin + limits.end);
+      find({limits.begin, middle, separation_}, found), find({middle, limits.end, separation_}, later);
+      keep_new(found.vertex_face, later.vertex_face), keep_new(found.face_vertex, later.face_vertex);
+      keep_new(found.edge_edge, later.edge_edge);
+    }
+    for (const simd::ElementCandidates* some : {&found, &later}) {
+      compare(some->vertex_face, pair,
+              [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
+      compare(some->face_vertex, pair,
+              [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
+      compare(some->edge_edge, pair, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
+    }
+  }
+
+  /// Whether two leaves turn by more than about a right angle while the limits say, or pass each other by about their
+  /// size. A guess; no answer depends on it.
+  static bool turn_or_pass(const bvh::MovingLeaf& a, const bvh::MovingLeaf& b, const simd::MotionLimits& limits) {
+    const auto at = [](double time, double start, double end) { return (1 - time) * start + time * end; };
+    double way_sq = 0, size = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double start = b.center[0][axis] - a.center[0][axis], end = b.center[1][axis] - a.center[1][axis];
+      const double way = (limits.end - limits.begin) * (end - start);
+      way_sq += way * way;
+    }
+    for (const bvh::MovingLeaf* leaf : {&a, &b}) {
+      double cosine = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto edge = [&](std::size_t end) {
+          return leaf->unit[end] * double{leaf->corner[end][3 + axis][0] - leaf->corner[end][axis][0]};
+        };
+        const double first = edge(0), last = edge(1);
+        cosine += at(limits.begin, first, last) * at(limits.end, first, last);
+      }
+      if (cosine <= 0) return true;
+      size += std::max(leaf->unit[0], leaf->unit[1]);
+    }
+    return way_sq > size * size;
+  }
+
+  /// Leaves out of a list what another one has.
+  template <typename Candidates>
+  static void keep_new(const Candidates& known, Candidates& list) {
+    std::bitset<(3 * bvh::width) * (3 * bvh::width)> is_known;
+    const auto place = [](simd::ElementCandidate c) { return c.a * 3 * bvh::width + c.b; };
+    for (std::uint32_t i = 0; i < known.count; ++i) is_known.set(place(known.pairs[i]));
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < list.count; ++i) {
+      if (!is_known[place(list.pairs[i])]) list.pairs[count++] = list.pairs[i];
+    }
+    list.count = count;
   }
 
   /// Offers candidates of one kind to the collector, without those that certainly do not touch if it asks for that.
   template <typename Candidates, typename ElementsOf>
-  void compare(const Candidates& candidates, const ElementsOf& elements_of) {
+  void compare(const Candidates& candidates, const SlotPair& leaves, const ElementsOf& elements_of) {
     constexpr std::uint32_t room = simd::MovingPairs::room;
     const bool excludes = collector_.wants_contacts_only();
-    for (std::uint32_t i = 0; i < candidates.count; i += room) {
+    for (std::uint32_t i = 0; i < candidates.count && leaves.first_time <= collector_.max_time(); i += room) {
       const std::span<const simd::ElementCandidate> some(candidates.pairs + i, std::min(candidates.count - i, room));
       stats.primitive_tests += some.size();  // pairs of elements count as pairs of triangles
       unsigned left = (1U << some.size()) - 1;
-      if (excludes) left &= ~excluded(some, elements_of);
+      if (excludes) left &= ~excluded(some, limits_of(leaves), elements_of);
       for (; left != 0; left &= left - 1) {
-        if (collector_.is_done()) return;
+        // Some pairs take milliseconds.
+        has_left_pairs_ = collector_.is_done() || meter_->cuts_short(steps_ + 1);
+        if (has_left_pairs_) return;
         const IdentifiedElements found = elements_of(some[std::countr_zero(left)]);
         collector_.compare(found.pair, found.elements);
       }
@@ -236,7 +299,8 @@ class ImpactSearch {
 
   /// A bit mask of candidates of one kind that certainly do not touch in time.
   template <typename ElementsOf>
-  unsigned excluded(std::span<const simd::ElementCandidate> candidates, const ElementsOf& elements_of) const {
+  unsigned excluded(std::span<const simd::ElementCandidate> candidates, const simd::MotionLimits& limits,
+                    const ElementsOf& elements_of) const {
     LIMBER_ASSERT(!candidates.empty() && candidates.size() <= simd::MovingPairs::room);
     simd::MovingPairs pairs;
     MovingElements::Kind kind{};
@@ -248,7 +312,7 @@ class ImpactSearch {
         pairs.u[end][k] = x.u, pairs.v[end][k] = x.v, pairs.w[end][k] = x.w;
       }
     }
-    return kernels_.exclude_impacts(pairs, kind == MovingElements::Kind::vertex_face, collector_.max_time());
+    return kernels_.exclude_impacts(pairs, kind == MovingElements::Kind::vertex_face, limits);
   }
 
   // Every pair visited adds less than `width` more and goes one level down one of two trees, each of at most 11 levels
@@ -258,9 +322,12 @@ class ImpactSearch {
   const MovingPair& models_;
   Collector& collector_;
   const simd::Kernels& kernels_;
-  simd::MotionLimits limits_;
+  double separation_;
   double first_below_ = std::numeric_limits<double>::infinity();  // of pairs that come after the part that is searched
   SlotPair visited_{};                                            // last
+  bool has_left_pairs_ = false;  // whether pairs of elements of the leaves visited last have not been compared
+  pair::BudgetMeter* meter_ = nullptr;
+  std::uint64_t steps_ = 0;
   SlotPair stack_[capacity];
   std::uint32_t size_ = 0;
 };

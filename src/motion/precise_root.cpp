@@ -47,6 +47,10 @@ PreciseVector cross(const PreciseVector& a, const PreciseVector& b) {
   return {a.y * b.z + -(a.z * b.y), a.z * b.x + -(a.x * b.z), a.x * b.y + -(a.y * b.x)};
 }
 PreciseVector operator+(const PreciseVector& a, const PreciseVector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+/// Without error if s is a power of two and nothing underflows.
+PreciseVector scaled(double s, const PreciseVector& a) {
+  return {{s * a.x.high, s * a.x.low}, {s * a.y.high, s * a.y.low}, {s * a.z.high, s * a.z.low}};
+}
 PreciseVector operator*(double s, const PreciseVector& a) {
   const DoublePair factor{s, 0};
   return {factor * a.x, factor * a.y, factor * a.z};
@@ -69,6 +73,8 @@ struct PreciseVectors {
     }
     return {difference(p[1], p[0]), difference(p[2], p[3]), difference(p[2], p[0])};
   }
+  PreciseVectors scaled_by(double s) const { return {scaled(s, u), scaled(s, v), scaled(s, w)}; }
+  double largest_size() const { return std::max({largest(u), largest(v), largest(w)}); }
   static PreciseVector difference(const Vec3& a, const Vec3& b) {
     return {base::two_sum(a.x, -b.x), base::two_sum(a.y, -b.y), base::two_sum(a.z, -b.z)};
   }
@@ -80,12 +86,19 @@ double volume(const Vec3& u, const Vec3& v, const Vec3& w) { return dot(u, cross
 }  // namespace
 
 std::optional<ElementImpact> narrow_precisely(const MovingElements& elements, double lower, double upper) {
-  const PreciseVectors start = PreciseVectors::of(elements.kind, elements.corners[0]);
-  const PreciseVectors end = PreciseVectors::of(elements.kind, elements.corners[1]);
+  PreciseVectors start = PreciseVectors::of(elements.kind, elements.corners[0]);
+  PreciseVectors end = PreciseVectors::of(elements.kind, elements.corners[1]);
+  // In a unit in which the largest number is from 1 to 2, so that all scales give the same bits. In two steps, because
+  // one factor may be out of range.
+  const double most = std::max(start.largest_size(), end.largest_size());
+  if (most == 0) return std::nullopt;
+  const int exponent = std::ilogb(most), half = exponent / 2;
+  for (const double factor : {std::ldexp(1.0, -half), std::ldexp(1.0, half - exponent)}) {
+    start = start.scaled_by(factor), end = end.scaled_by(factor);
+  }
   const double u = std::max(largest(start.u), largest(end.u)), v = std::max(largest(start.v), largest(end.v));
   const double w = std::max(largest(start.w), largest(end.w)), size = u * v * w;
-  // Nothing overflows, and underflow loses nothing that counts.
-  if (!(std::min({u, v, w}) > 0x1p-200 && std::max({u, v, w}) < 0x1p202)) return std::nullopt;
+  if (!(std::min({u, v, w}) > 0x1p-200)) return std::nullopt;  // underflow might lose what counts
   const Vectors motion = rounded(end) - rounded(start);
   constexpr int most_steps = 3;  // one is enough nearly always
   for (int i = 0; i < most_steps; ++i) {

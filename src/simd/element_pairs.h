@@ -51,11 +51,17 @@ struct MovingPairs {
   Vec3 u[2][room]{}, v[2][room]{}, w[2][room]{};
 };
 
-/// What a query of two moving models prunes: pairs that are farther apart than `separation` until `max_time`. At any
-/// pace: wherever each vertex is on its way, whatever the others do; then max_time is 1.
+/// What a query of two moving models prunes: pairs that are farther apart than `separation` at every time from `begin`
+/// to `end`. At any pace: wherever each vertex is on its way, whatever the others do; the times then do not count.
 struct MotionLimits {
-  double max_time, separation;
+  double begin, end, separation;
   bool at_any_pace = false;
+};
+
+/// Of each child slot, bounds of the times at which it is within a separation of something: none before `first`, none
+/// after `last`.
+struct MeetingTimes {
+  double first[width], last[width];
 };
 
 }  // namespace limber::simd

@@ -250,20 +250,20 @@ using FindCloseElements = void (*)(const SlotRef& a, const SlotRef& b, const Fra
                                    const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
                                    const SelfPair* self, ElementCandidates& found);
 
-/// The children of a moving node, as a bit mask, that may come within a separation of a moving box up to a time. For
-/// each slot `first_time` becomes a lower bound of the time at which they do; above 1 if they never do.
-using FindMeetingChildren = unsigned (*)(const bvh::MovingNode& node, const bvh::MovingBox& other, double separation,
-                                         double max_time, double* first_time);
+/// The children of a moving node, as a bit mask, that may come within the separation of a moving box while the limits
+/// say, and when. A slot whose first time is after its last one never does.
+using FindMeetingChildren = unsigned (*)(const bvh::MovingNode& node, const bvh::MovingBox& other,
+                                         const MotionLimits& limits, MeetingTimes& times);
 
-/// As find_close_elements(), for two moving leaves: finds the pairs of elements that may come within the separation up
-/// to the largest time.
+/// As find_close_elements(), for two moving leaves: finds the pairs of elements that may come within the separation
+/// while the limits say.
 using FindImpactCandidates = void (*)(const bvh::MovingLeaf& a, const bvh::MovingLeaf& b, const MotionLimits& limits,
                                       OwnedElements owned_by_a, OwnedElements owned_by_b, const SelfPair* self,
                                       ElementCandidates& found);
 
-/// A bit mask of the pairs that certainly do not touch up to a time. Others may not touch either. `are_faces` says that
-/// they are vertices and faces, otherwise they are edges.
-using ExcludeImpacts = unsigned (*)(const MovingPairs& pairs, bool are_faces, double max_time);
+/// A bit mask of the pairs that certainly do not touch while the limits say. The separation must be 0. Others may not
+/// touch either. `are_faces` says that they are vertices and faces, otherwise they are edges.
+using ExcludeImpacts = unsigned (*)(const MovingPairs& pairs, bool are_faces, const MotionLimits& limits);
 
 /// Bounds of the distances between a point and the children of a node, and the order of the children whose bound is at
 /// most `limit`, which is finite. The numbers that are bounds, and `limit`, depend on the kernel:

@@ -49,25 +49,40 @@ Intervals some_intervals(Rng& rng, std::uint64_t kind) {
   return i;
 }
 
-/// The first time at which two intervals are within a separation; nothing if a gap stays open from the start on.
-std::optional<mpq_class> exact_time(const Intervals& a, const Intervals& b, double separation) {
-  mpq_class gap[2] = {mpq_class(a.low[0]) - b.high[0] - separation, mpq_class(a.low[1]) - b.high[1] - separation};
-  if (gap[0] <= 0) {
-    gap[0] = mpq_class(b.low[0]) - a.high[0] - separation, gap[1] = mpq_class(b.low[1]) - a.high[1] - separation;
+struct ExactMeeting {
+  mpq_class first, last;
+};
+
+/// When boxes that are within a separation from `before.first` to `before.last` along other axes are so along this one
+/// too; nothing if they never are.
+std::optional<ExactMeeting> exact_meeting(ExactMeeting before, const Intervals& a, const Intervals& b,
+                                          double separation) {
+  const mpq_class gaps[2][2] = {
+      {mpq_class(a.low[0]) - b.high[0] - separation, mpq_class(a.low[1]) - b.high[1] - separation},
+      {mpq_class(b.low[0]) - a.high[0] - separation, mpq_class(b.low[1]) - a.high[1] - separation}};
+  for (const auto& gap : gaps) {
+    if (gap[0] > 0 && gap[1] > 0) return std::nullopt;
+    if (gap[0] <= 0 && gap[1] <= 0) continue;
+    const mpq_class closed = gap[0] / (gap[0] - gap[1]);
+    if (gap[0] > 0) {
+      before.first = std::max(before.first, closed);
+    } else {
+      before.last = std::min(before.last, closed);
+    }
   }
-  if (gap[0] <= 0) return mpq_class(0);
-  if (gap[1] > 0) return std::nullopt;
-  return mpq_class(gap[0] / (gap[0] - gap[1]));
+  if (before.first > before.last) return std::nullopt;
+  return before;
 }
 
-TEST(MovingBoxes, NeverMeetBeforeTheyAreSaidTo) {
+TEST(MovingBoxes, MeetOnlyWhileTheyAreSaidTo) {
   Rng rng(3210);
-  std::size_t met = 0, tight = 0;
+  std::size_t met = 0, tight = 0, parted = 0;
   for (int i = 0; i < 20000 && !HasFailure(); ++i) {
     const std::uint64_t kind = rng.below(4);
     bvh::MovingNode node{};
     bvh::MovingBox other{};
-    std::vector<std::optional<mpq_class>> exact(bvh::width, mpq_class(0));
+    const ExactMeeting window{rng.below(4) == 0 ? rng.uniform(0, 0.5) : 0, rng.below(4) == 0 ? rng.uniform(0.5, 1) : 1};
+    std::vector<std::optional<ExactMeeting>> exact(bvh::width, window);
     const double separation = rng.below(2) == 0 ? 0 : std::abs(some_number(rng, kind));
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const Intervals b = some_intervals(rng, kind);
@@ -75,31 +90,35 @@ TEST(MovingBoxes, NeverMeetBeforeTheyAreSaidTo) {
       for (std::uint32_t k = 0; k < bvh::width; ++k) {
         const Intervals a = some_intervals(rng, kind);
         for (int end = 0; end < 2; ++end) node.low[end][axis][k] = a.low[end], node.high[end][axis][k] = a.high[end];
-        const std::optional<mpq_class> time = exact_time(a, b, separation);
-        if (!time || !exact[k]) {
-          exact[k].reset();
-        } else {
-          exact[k] = std::max(*exact[k], *time);
-        }
+        if (exact[k]) exact[k] = exact_meeting(*exact[k], a, b, separation);
       }
     }
-    double first[bvh::width];
-    const unsigned found = simd::scalar_kernels.find_meeting_children(node, other, separation, 1, first);
+    const simd::MotionLimits limits{window.first.get_d(), window.last.get_d(), separation};
+    simd::MeetingTimes times;
+    const unsigned found = simd::scalar_kernels.find_meeting_children(node, other, limits, times);
     for (const simd::Kernels& set : simd::all_kernels()) {
-      double again[bvh::width];
-      EXPECT_EQ(set.find_meeting_children(node, other, separation, 1, again), found) << set.name;
-      EXPECT_TRUE(std::equal(first, first + bvh::width, again)) << set.name;
+      simd::MeetingTimes again;
+      EXPECT_EQ(set.find_meeting_children(node, other, limits, again), found) << set.name;
+      EXPECT_TRUE(std::equal(times.first, times.first + bvh::width, again.first)) << set.name;
+      EXPECT_TRUE(std::equal(times.last, times.last + bvh::width, again.last)) << set.name;
     }
     for (std::uint32_t k = 0; k < bvh::width; ++k) {
-      EXPECT_EQ((found >> k & 1) != 0, first[k] <= 1);
+      const double first = times.first[k], last = times.last[k];
+      EXPECT_EQ((found >> k & 1) != 0, first <= last);
+      parted += first > last ? 1 : 0;
       if (!exact[k]) continue;
-      EXPECT_LE(mpq_class(first[k]), *exact[k]);
-      EXPECT_GE(first[k], 0);
-      ++met, tight += first[k] >= exact[k]->get_d() * (1 - 1e-12) - 1e-300 ? 1 : 0;
+      EXPECT_LE(mpq_class(first), exact[k]->first);
+      EXPECT_GE(mpq_class(last), exact[k]->last);
+      EXPECT_GE(first, limits.begin);
+      EXPECT_LE(last, limits.end);
+      ++met;
+      tight +=
+          first >= exact[k]->first.get_d() * (1 - 1e-12) - 1e-300 && last <= exact[k]->last.get_d() + 1e-12 ? 1 : 0;
     }
   }
   EXPECT_GT(met, 20000U);
   EXPECT_GT(tight * 100, met * 99);
+  EXPECT_GT(parted, 20000U);
 }
 
 TEST(MovingTree, ContainsTheModelAtBothEnds) {

@@ -7,7 +7,9 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -291,6 +293,40 @@ TEST(MovingModel, StopsWhenItsBudgetIsSpent) {
         visit_impacts(box.moving, floor.moving, [](const Impact&) { return true; }, {.budget = budget});
     EXPECT_FALSE(count.is_complete);
     EXPECT_NE(count.stopped_by, StoppedBy::nothing);
+  }
+}
+
+TEST(MovingModel, EndsAmongThePairsOfTwoLeaves) {
+  Body falls(scenes::grid(12, 12, 0, 0, 1, 1)), floor(scenes::grid(12, 12, 0, 0, 1, 1));
+  falls.shift({0, 0, 1}, {0, 0, -1});
+  std::atomic<bool> cancelled{false};
+  int asked = 0, visited = 0;
+  const auto cancels = [&](const ElementPair&) { return ++asked, cancelled = true, false; };
+  const ImpactOptions options{.filter = cancels, .budget = {.cancel = &cancelled}};
+  const PairCount count = visit_impacts(
+      falls.moving, floor.moving, [&](const Impact&) { return ++visited, true; }, options);
+  EXPECT_EQ(count.stopped_by, StoppedBy::cancel);
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(visited, 0);
+  cancelled = false, asked = 0;
+  const ImpactResult found = time_of_impact(falls.moving, floor.moving, options);
+  EXPECT_EQ(found.status, ImpactStatus::undecided);
+  EXPECT_LE(found.lower, 0.5);  // pairs of the leaves are left
+  EXPECT_EQ(asked, 1);
+}
+
+TEST(MovingModel, ThatTurnsComparesFewPairs) {
+  const auto turned = [](double angle) {
+    return Transform{{{std::cos(angle), -std::sin(angle), 0}, {std::sin(angle), std::cos(angle), 0}, {0, 0, 1}}, {}};
+  };
+  for (const std::uint32_t n : {16U, 32U}) {
+    Body sheet(scenes::grid(n, n, 0, 0, 1.0 / n, 1.0 / n));
+    for (const double angle : {1.0, 0.5 * std::numbers::pi, 2.0}) {
+      sheet.moving.set_motion(sheet.model.mesh().positions(), {}, turned(angle)).value();
+      const ImpactResult found = self_time_of_impact(sheet.moving);
+      EXPECT_EQ(found.status, ImpactStatus::clear);
+      EXPECT_LT(found.stats.primitive_tests, 16 * std::uint64_t{2} * n * n) << n << " by " << angle;
+    }
   }
 }
 
