@@ -307,7 +307,7 @@ LIMBER_API void limit_displacements(const Placed& a, const Placed& b, double sep
 LIMBER_API void limit_self_motions(const MovingModel& model, double separation, std::span<double> fractions);
 
 /// Limits the motions of two models, for pairs of elements of both. A model b without numbers stays at its start.
-LIMBER_API void limit_motions(const MovingModel& a, const MovingModel& b, double separation,
-                                    std::span<double> of_a, std::span<double> of_b = {});
+LIMBER_API void limit_motions(const MovingModel& a, const MovingModel& b, double separation, std::span<double> of_a,
+                              std::span<double> of_b = {});
 
 }  // namespace limber

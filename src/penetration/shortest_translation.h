@@ -7,8 +7,8 @@
 #include "limber/math.h"
 #include "limber/model.h"
 #include "limber/penetration.h"
-#include "penetration/common_balls.h"
 #include "pair/meter.h"
+#include "penetration/common_balls.h"
 #include "penetration/sweep.h"
 #include "point/placed_model.h"
 

@@ -9,8 +9,8 @@
 #include "bvh/tree.h"
 #include "limber/distance.h"
 #include "limber/math.h"
-#include "penetration/last_contact.h"
 #include "pair/meter.h"
+#include "penetration/last_contact.h"
 #include "point/placed_model.h"
 
 namespace limber::penetration {

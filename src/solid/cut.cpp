@@ -153,8 +153,7 @@ int Cut::compare(const Crosser& x, const Crosser& y) const {
 }
 
 void Cut::sort() {
-  std::sort(crossers_.begin(), crossers_.end(),
-            [&](const Crosser& x, const Crosser& y) { return compare(x, y) < 0; });
+  std::sort(crossers_.begin(), crossers_.end(), [&](const Crosser& x, const Crosser& y) { return compare(x, y) < 0; });
   group_ends_.clear();
   for (std::size_t i = 1; i <= crossers_.size(); ++i) {
     if (i == crossers_.size() || compare(crossers_[i - 1], crossers_[i]) != 0) group_ends_.push_back(i);

@@ -64,9 +64,9 @@ class Cut {
   void follow(Cells& cells, WindingNumbers numbers, int side_of_t, int side_of_x) const;
 
   Triangle t_, x_;
-  std::vector<ExactPoint> ends_;  // two, or none
-  IntegerVec along_;              // from the first to the last
-  std::size_t axis_ = 0;          // along which they differ
+  std::vector<ExactPoint> ends_;            // two, or none
+  IntegerVec along_;                        // from the first to the last
+  std::size_t axis_ = 0;                    // along which they differ
   WindingNumbers behind_t_{}, behind_x_{};  // what numbers behind them, and behind copies of them, have more
   std::vector<Crosser> crossers_;
   std::vector<std::size_t> group_ends_;  // of those that are crossed in one point

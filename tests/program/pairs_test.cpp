@@ -51,8 +51,8 @@ TEST(ProgramPairs, AnswersEachRowAsTheVerbAnswersThePair) {
       SCOPED_TRACE(line + questions[r]);
       nlohmann::json object = objects[r];
       const nlohmann::json alone = json_of(line + questions[r]);
-      for (const char* key : {"status", "lower", "upper", "witness", "too_close", "inside", "clash", "solids",
-                              "depth", "node_tests"}) {
+      for (const char* key :
+           {"status", "lower", "upper", "witness", "too_close", "inside", "clash", "solids", "depth", "node_tests"}) {
         EXPECT_EQ(object[key], alone[key]) << key;
       }
       EXPECT_EQ(object["row"], r);

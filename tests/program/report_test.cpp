@@ -99,8 +99,8 @@ TEST(ProgramReport, HasTheAnswerOfTheSameRun) {
        {"", " --relative-error 0.3", " --min-clearance 2.5", " --min-clearance 0.001", " --max-distance 0.01"}) {
     const Report report(question + options);
     const nlohmann::json json = nlohmann::json::parse(report.outcome.out);
-    for (const char* key : {"status", "lower", "upper", "witness", "too_close", "inside", "clash", "solids",
-                            "depth", "node_tests", "query_us"}) {
+    for (const char* key : {"status", "lower", "upper", "witness", "too_close", "inside", "clash", "solids", "depth",
+                            "node_tests", "query_us"}) {
       EXPECT_EQ(report.data[key], json[key]) << key;
     }
     EXPECT_EQ(report.outcome.exit_code, json["too_close"] == true ? 3 : 0);

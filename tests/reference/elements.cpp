@@ -105,8 +105,7 @@ void add_edge_edge(const MotionOfElements& a, const MotionOfElements& b, bool is
 }
 
 void check_pose(const Placed& placed) {
-  LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
-                 "limber::reference: a query needs rigid poses; one of a mesh is not");
+  LIMBER_REQUIRE(geometry::is_rigid(placed.pose), "limber::reference: a query needs rigid poses; one of a mesh is not");
 }
 
 }  // namespace

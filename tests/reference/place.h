@@ -12,8 +12,7 @@ namespace limber::reference {
 
 /// The triangles of a mesh in the world, each rounded once.
 inline std::vector<Triangle> place(const Placed& placed) {
-  LIMBER_REQUIRE(geometry::is_rigid(placed.pose),
-                 "limber::reference: a query needs rigid poses; one of a mesh is not");
+  LIMBER_REQUIRE(geometry::is_rigid(placed.pose), "limber::reference: a query needs rigid poses; one of a mesh is not");
   std::vector<Triangle> triangles;
   triangles.reserve(placed.mesh.triangles.size());
   for (TriangleId t = 0; t < placed.mesh.triangles.size(); ++t) {

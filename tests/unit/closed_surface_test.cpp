@@ -330,7 +330,10 @@ TEST(ClosedSurface, IsRefusedByAllThatKeptItOnceItsModelIsReset) {
   const Transform inside{{}, {2, 2, 2}};
   const auto reset = [](Mesh mesh) { return [mesh](Model& m) { m.reset(mesh), m.reset(mesh); }; };
   const auto replace = [&](Model& m) { m = Model(open); };
-  const auto swap = [&](Model& m) { Model other(open); std::swap(m, other); };
+  const auto swap = [&](Model& m) {
+    Model other(open);
+    std::swap(m, other);
+  };
   for (const std::function<void(Model&)>& change :
        {std::function<void(Model&)>(reset(open)), {reset(box_mesh({0, 0, 0}, {4, 4, 4}))}, {replace}, {swap}}) {
     Model model(box_mesh({0, 0, 0}, {4, 4, 4}));

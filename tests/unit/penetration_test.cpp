@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "penetration/last_contact.h"
 #include "pair/meter.h"
+#include "penetration/last_contact.h"
 #include "scenes/scenes.h"
 #include "support/random_solids.h"
 #include "support/rational_sweep.h"

@@ -440,10 +440,9 @@ TEST(SolidRelation, OfASpentBudgetIsUndecidedUntilItIsProven) {
   const ClosedSurface of_bars = ClosedSurface::create(bars).value(), of_floor = ClosedSurface::create(floor).value();
   const std::atomic<bool> cancel = true;
   const auto past = std::chrono::steady_clock::now();
-  const std::pair<StoppedBy, QueryBudget> spent[] = {
-      {StoppedBy::deadline, {.deadline = past}},
-      {StoppedBy::cancel, {.cancel = &cancel}},
-      {StoppedBy::max_steps, {.max_steps = 0}}};
+  const std::pair<StoppedBy, QueryBudget> spent[] = {{StoppedBy::deadline, {.deadline = past}},
+                                                     {StoppedBy::cancel, {.cancel = &cancel}},
+                                                     {StoppedBy::max_steps, {.max_steps = 0}}};
   for (const auto& [reason, budget] : spent) {
     const SolidRelationResult found = solid_relation(of_bars, of_floor, {budget});
     EXPECT_EQ(found.relation, SolidRelation::undecided);
