@@ -48,7 +48,7 @@ class Interruption {
   bool is_listening_ = false;
 };
 
-/// Returns work(budget), done without the GIL unless it is needed. Ctrl-C ends work that keeps to its budget, and raises
+/// Returns work(budget), done without the GIL unless it is needed. Ctrl-C ends work that keeps to its budget, raising
 /// KeyboardInterrupt; if the handler raises nothing, the work is done again. `cache` is what it uses, or null. Calls
 /// that are certainly short say so by `is_long`, and save three calls of the system.
 template <typename Cache, typename Work>
@@ -78,9 +78,9 @@ inline bool may_take_long(const Body& a, const Body& b) {
 /// Raises limber3d.BatchInterrupted with results: the first `count` of those that were asked for.
 [[noreturn]] void raise_interrupted(const nb::object& results, std::size_t count);
 
-/// Calls ask(begin, end, budget) for parts of 0 to `count` that take about a tenth of a second each, without the GIL; in
-/// one if `is_one`: where something is refused, so that its place is named. After Ctrl-C raises results(done) as those
-/// that were done.
+/// Calls ask(begin, end, budget) for parts of 0 to `count` that take about a tenth of a second each, without the GIL;
+/// for all at once if `is_one`: where something is refused, so that its place is named. After Ctrl-C raises
+/// results(done) as those that were done.
 template <typename Ask, typename Results>
 void in_parts(std::size_t count, bool is_one, const BudgetObject* given, const Ask& ask, const Results& results) {
   constexpr double least_s = 0.03, most_s = 0.12;
@@ -134,8 +134,8 @@ void run_aside(std::function<void()> work);
 void wait_for_abandoned();
 
 /// Returns work(), which cannot be cut short, done without the GIL. In the main thread Ctrl-C raises KeyboardInterrupt
-/// at once, while the work goes on to its end and its result is dropped; so it owns all that it uses, guards and objects
-/// of Python included. `size` is how many triangles, vertices or the like it is about: few are not worth a thread.
+/// at once, while the work goes on to its end and its result is dropped. So it owns all that it uses: guards and also
+/// objects of Python. `size` is how many triangles, vertices or the like it is about: few are not worth a thread.
 constexpr std::size_t any_size = std::numeric_limits<std::size_t>::max();  // of work that may take long
 template <typename Work>
 auto aside(std::size_t size, Work work) {

@@ -178,7 +178,8 @@ class ImpactSearch {
     earliest_last(begin);
   }
 
-  /// What matters of the time in which the boxes of a pair meet; at any pace each model has a time of its own, so all of it.
+  /// What matters of the time in which the boxes of a pair meet. At any pace each model has a time of its own, so all
+  /// of it does.
   simd::MotionLimits limits_of(const SlotPair& pair) const {
     return {pair.first_time, std::min(pair.last_time, collector_.max_time()), separation_, at_any_pace};
   }
