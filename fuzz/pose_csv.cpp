@@ -8,8 +8,11 @@
 #include <string>
 #include <string_view>
 
+#include "command/run_files.h"
 #include "command/text.h"
 #include "fuzz/scratch_file.h"
+
+void limber::program::add_input(const std::filesystem::path& /*path*/) {}  // no output has to be kept from a file
 
 namespace limber::fuzz {
 namespace {
