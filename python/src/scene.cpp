@@ -231,7 +231,7 @@ nb::tuple reduced(nb::handle_t<SceneObject> self) {
   return restored_by(self.type(), nb::tuple(), nb::make_tuple(objects, is_committed));
 }
 
-void restore(SceneObject& self, const nb::tuple& state) {
+void restore_scene(SceneObject& self, const nb::tuple& state) {
   std::vector<ObjectId> unused;
   nb::object some;  // a body for ids that none has, until all are there
   for (const nb::handle object : state[0]) some = object.is_none() ? some : nb::object(object[0]);
@@ -302,7 +302,7 @@ void bind_scene(nb::module_& m) {
       .def("set_poses", &SceneObject::set_poses, "ids"_a, "poses"_a.none(), docs::Scene_set_poses)
       .def("commit", &SceneObject::commit, docs::Scene_commit)
       .def("__reduce__", &reduced, nb::sig("def __reduce__(self) -> tuple[Any, ...]"))
-      .def("_restore", &restore, nb::sig("def _restore(self, state: tuple[Any, ...], /) -> None"))
+      .def("_restore", &restore_scene, nb::sig("def _restore(self, state: tuple[Any, ...], /) -> None"))
       .def_prop_ro(
           "is_committed",
           [](SceneObject& self) { return self.read([](const Scene& scene) { return scene.is_committed(); }); },
