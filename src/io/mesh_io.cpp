@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -55,9 +56,12 @@ Result<io::Soup> read_soup(const fs::path& path, std::vector<fs::path>* files = 
 
 void require_options(const ReadOptions& options) {
   const double tolerance = options.weld_tolerance;
-  LIMBER_REQUIRE(tolerance >= 0 && std::isfinite(tolerance),
-                 "limber::ReadOptions: weld_tolerance must be finite and not below 0");
-  LIMBER_REQUIRE(options.weld || tolerance == 0, "limber::ReadOptions: there is a weld_tolerance without weld");
+  if (!(tolerance >= 0 && std::isfinite(tolerance))) {
+    throw std::invalid_argument("limber::ReadOptions: weld_tolerance must be finite and not below 0");
+  }
+  if (!options.weld && tolerance != 0) {
+    throw std::invalid_argument("limber::ReadOptions: there is a weld_tolerance without weld");
+  }
 }
 
 std::vector<Vec3> pick(const std::vector<Vec3>& positions, const std::vector<VertexId>& vertices) {
@@ -164,7 +168,7 @@ Result<MeshSequence> MeshSequence::open(const fs::path& first_frame, const ReadO
 
 Result<MeshSequence> MeshSequence::open(std::span<const fs::path> frames, const ReadOptions& options) {
   require_options(options);
-  LIMBER_REQUIRE(!frames.empty(), "limber::MeshSequence::open: there is no frame");
+  if (frames.empty()) throw std::invalid_argument("limber::MeshSequence::open: there is no frame");
   std::vector<fs::path> files;
   Result<io::Soup> soup = read_soup(frames.front(), &files);
   if (!soup) return soup.error();
