@@ -31,10 +31,14 @@ constexpr double inward = 1 - 0x1p-40;
 
 /// Displacements are up to 2^200, fractions up to 1.
 void check_numbers(std::span<const double> numbers, std::size_t vertex_count, double most, const char* function) {
-  const std::string what = std::string(function) + (most == 1 ? ": fraction" : ": displacement");
-  LIMBER_REQUIRE(numbers.size() == vertex_count, (what + "s: there must be one for each vertex").c_str());
+  const auto text = [&](const char* of_fractions, const char* of_displacements) {
+    return std::string(function) + (most == 1 ? ": fractions" : ": displacements") +
+           (most == 1 ? of_fractions : of_displacements);
+  };
+  constexpr const char* one_each = ": there must be one for each vertex";
+  LIMBER_REQUIRE(numbers.size() == vertex_count, text(one_each, one_each).c_str());
   LIMBER_REQUIRE(std::all_of(numbers.begin(), numbers.end(), [&](double x) { return x >= 0 && x <= most; }),
-                 (what + (most == 1 ? "s must be from 0 to 1" : "s must be from 0 to 2^200")).c_str());
+                 text(" must be from 0 to 1", " must be from 0 to 2^200").c_str());
 }
 
 void check_separation(double separation, const char* function) {

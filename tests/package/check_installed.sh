@@ -32,7 +32,7 @@ check_files() {
     "$libraries"/cmake/limber/limber{Config,ConfigVersion,Targets,IoTargets}.cmake; do
     [[ -s $file ]] || die "$file is missing or empty"
   done
-  local owner owners=('Niels Lohmann' 'University of Cincinnati' 'Mapbox' 'Highway Project' 'Intel Corporation')
+  local owner owners=('Niels Lohmann' 'University of Cincinnati' 'Highway Project' 'Intel Corporation')
   if [[ -e $program ]]; then owners+=('three.js authors'); fi
   for owner in "${owners[@]}"; do
     grep -q "$owner" "$prefix/share/doc/limber/NOTICES.txt" || die "NOTICES.txt has no license of $owner"
