@@ -24,7 +24,9 @@ def test_a_model_keeps_its_own_copy(tetra: limber3d.Model) -> None:
     model = limber3d.Model(vertices, faces)
     vertices[:], faces[:] = 7, 0
     assert (model.vertices == TETRA_VERTICES).all() and (model.faces == TETRA_FACES).all()
-    for property in (model.vertices, model.faces, model.edges.vertices, limber3d.distance(model, tetra).witness.point_a):
+    witness = limber3d.distance(model, tetra).witness
+    assert witness is not None
+    for property in (model.vertices, model.faces, model.edges.vertices, witness.point_a):
         with pytest.raises(ValueError, match="read-only"):
             property[:] = 7
     assert (model.vertices == TETRA_VERTICES).all()

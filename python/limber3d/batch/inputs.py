@@ -143,7 +143,7 @@ class Meshes:
         self._meshes: dict[str, tuple[FloatArray, IdArray]] = {}
         seen: dict[int, str] = {}
         for model in models:
-            if not isinstance(model, _core.Model):
+            if not hasattr(model, "vertices"):
                 raise TypeError(f"a batch of files takes Models; got {type(model).__name__}: ask distance_many() and its like")
             if id(model) not in seen:
                 mesh = model.vertices, model.faces
