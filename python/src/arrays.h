@@ -120,13 +120,13 @@ Mat3 matrix_from(const Array& array);
 /// w, x, y, z.
 ///
 /// Throws   nb::value_error if it has none of these forms, or for what the functions of limber/math.h refuse.
-Transform pose_from(nb::handle object, const char* name);
+Transform pose_from(nb::handle given, const char* name);
 
 /// Many poses: the same forms with another axis before the others, or one pose for all.
 class PoseList {
  public:
   /// Throws   As pose_from(), naming the index.
-  PoseList(nb::handle object, const char* name);
+  PoseList(nb::handle given, const char* name);
 
   bool is_one_for_all() const { return is_one_for_all_; }
   /// Pre: not is_one_for_all().
@@ -143,6 +143,6 @@ class PoseList {
 /// an axis of configurations, then one of objects, before the others.
 ///
 /// Throws   As pose_from(), naming configuration and object.
-std::vector<Transform> configurations_from(nb::handle object, std::size_t objects, const char* name);
+std::vector<Transform> configurations_from(nb::handle given, std::size_t objects, const char* name);
 
 }  // namespace limber::python

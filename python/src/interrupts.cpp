@@ -93,7 +93,7 @@ void run_aside(std::function<void()> work) {
     task->is_abandoned = is_interrupted && !task->is_done;
   }
   if (task->is_abandoned) {
-    task.release();
+    static_cast<void>(task.release());  // the thread deletes it
     abandoned.push_back(std::move(thread));
   } else {
     thread.join();

@@ -155,7 +155,8 @@ double GltfMeshes::element_count(const MeshInstance& shown) {
   }
   constexpr std::size_t name_bytes_of_element = 16;
   const std::size_t name_bytes = std::max(mesh.name.size(), shown.node.text("name", "").size());
-  auto count = static_cast<double>(mesh.triangle_count + name_bytes / name_bytes_of_element);
+  const std::size_t counted = mesh.triangle_count + name_bytes / name_bytes_of_element;
+  auto count = static_cast<double>(counted);
   const bool is_skinned = shown.node.has("skin");
   for (const GltfVertices& vertices : mesh.vertices) {
     const auto read_count = static_cast<double>(1 + (is_skinned ? 2 * vertices.influences.size() : 0));

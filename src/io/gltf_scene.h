@@ -27,9 +27,9 @@ AffineMap operator*(const AffineMap& a_from_b, const AffineMap& b_from_c);
 /// The map of a 4 x 4 matrix by columns. `user` is what has the matrix, for messages.
 AffineMap map_of_matrix(std::span<const double> matrix, const JsonItem& user);
 
-/// Scales along the axes, turns by a quaternion x, y, z, w of any length but zero, then shifts.
-AffineMap map_of_parts(std::span<const double> translation, std::span<const double> rotation,
-                       std::span<const double> scale, const JsonItem& user);
+/// Scales by s along the axes, turns by q, a quaternion x, y, z, w of any length but zero, then shifts by t.
+AffineMap map_of_parts(std::span<const double> t, std::span<const double> q, std::span<const double> s,
+                       const JsonItem& user);
 
 /// A mesh as one node shows it.
 struct MeshInstance {

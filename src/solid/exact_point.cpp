@@ -67,11 +67,11 @@ Estimate operator*(const Estimate& x, const Estimate& y) {
   return {value, 2 * error + 2 * epsilon * std::abs(value) + underflow_bound};
 }
 
-Estimate height_over(const Triangle& plane, const Vec3& p, double point_error) {
+Estimate height_over(const Triangle& plane, const Vec3& p, double error_of_p) {
   const Vec3 a = plane.v1 - plane.v0, b = plane.v2 - plane.v0, r = p - plane.v0;
   const Vec3 size{std::abs(a.y * b.z) + std::abs(a.z * b.y), std::abs(a.z * b.x) + std::abs(a.x * b.z),
                   std::abs(a.x * b.y) + std::abs(a.y * b.x)};
-  return {dot(cross(a, b), r), 8 * epsilon * dot(size, abs(r)) + point_error * dot(size, abs(p)) + underflow_bound};
+  return {dot(cross(a, b), r), 8 * epsilon * dot(size, abs(r)) + error_of_p * dot(size, abs(p)) + underflow_bound};
 }
 
 ExactPoint::ExactPoint(const Vec3& v, int unit) : p_(whole(v, unit)), w_(1), unit_(unit), rounded_(v) {}

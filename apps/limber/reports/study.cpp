@@ -72,14 +72,14 @@ void Study::add(std::size_t number, const PartPair& pair, const DistanceAnswer& 
   json["intersecting"] =
       answer.result.status == DistanceStatus::collision ? intersecting_triangles(pair) : Json(nullptr);
   json["query_us"] = answer.elapsed_us;
-  rows_.push_back(
-      {{kind, -answer.depth.value_or(0), answer.result.lower, answer.result.upper, static_cast<double>(number)},
-       std::move(json)});
+  const Badness badness{kind, -answer.depth.value_or(0), answer.result.lower, answer.result.upper,
+                        static_cast<double>(number)};
+  rows_.emplace_back(badness, std::move(json));
   if (rows_.size() == 2 * most_rows) keep_worst();
 }
 
 void Study::keep_worst() {
-  std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.badness < b.badness; });
+  std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.first < b.first; });
   rows_.resize(std::min(rows_.size(), most_rows));
 }
 
@@ -99,12 +99,12 @@ Json Study::to_json() {
   std::vector<std::size_t> places(rows_.size());  // among the worst, by the order of the table
   std::iota(places.begin(), places.end(), std::size_t{0});
   std::sort(places.begin(), places.end(),
-            [&](std::size_t i, std::size_t j) { return rows_[i].badness.back() < rows_[j].badness.back(); });
+            [&](std::size_t i, std::size_t j) { return rows_[i].first.back() < rows_[j].first.back(); });
   Json rows, worst_first = std::vector<std::size_t>(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) worst_first[places[i]] = i;
   for (const char* const name : row_names) {
     rows[name] = Json::array();
-    for (const std::size_t place : places) rows[name].push_back(std::move(rows_[place].json[name]));
+    for (const std::size_t place : places) rows[name].push_back(std::move(rows_[place].second[name]));
   }
   std::vector<const RigidModel*> models;
   Json names = Json::array(), files = Json::array(), numbers = Json::array(), json_of_models = Json::array();

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "command/output.h"
@@ -52,10 +53,7 @@ class Study {
  private:
   /// What is smaller is worse: the kind; minus how deep a clash is; both bounds; the number in the table.
   using Badness = std::array<double, 5>;
-  struct Row {
-    Badness badness;
-    Json json;
-  };
+  using Row = std::pair<Badness, Json>;
 
   void keep_worst();
   Json intersecting_triangles(const PartPair& pair);

@@ -32,7 +32,7 @@ export function showReport(data: ReportData): void {
     markColor.value.setRGB(...tokenRgb('hit'));
   });
   showMarks(data, frame, view);
-  const isHidden = data.status === 'collision' || data.clash === 'hard_clash'; // by what is around the clash
+  const isHidden = data.clash === 'hard_clash'; // by what is around the clash
   view.connectBox('cut', isHidden, (isOn) => (look.isCut.value = isOn));
   view.connectBox('show-map', data.status !== 'collision', (isOn) => {
     look.isMapped.value = isOn;
