@@ -113,7 +113,8 @@ void Cut::add(const Triangle& y, pair::Side s) {
     is_shared_ = is_shared_ || (to_t == 0 && to_x == 0);
   }
   if (side * last_side >= 0) return;
-  Crosser crosser{y, s, side};
+  Crosser& crosser = crossers_.emplace_back();
+  crosser.triangle = y, crosser.surface = s, crosser.step = side;
   const std::array<Height, 3> over_t = heights_of(y, t_), over_x = heights_of(y, x_);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = next_corner[i];
@@ -126,7 +127,6 @@ void Cut::add(const Triangle& y, pair::Side s) {
   const double size = std::abs(first.value) + std::abs(last.value), error = first.error + last.error;
   crosser.place = {std::abs(first.value) / size, error / (size - error) + 0x1p-48};
   if (!(size > 2 * error && std::isfinite(size))) crosser.place = {0, 2};  // anywhere
-  crossers_.push_back(std::move(crosser));
 }
 
 bool Cut::Crosser::is_pierced(int side_of_t, int side_of_x) const {

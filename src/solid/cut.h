@@ -45,8 +45,8 @@ class Cut {
   /// A triangle that crosses the segment between its ends.
   struct Crosser {
     Triangle triangle;
-    pair::Side surface;
-    int step;  // what piercing it adds to the winding number of its surface
+    pair::Side surface{};
+    int step = 0;  // what piercing it adds to the winding number of its surface
     // On which side lines pass its edges: the one of the segment; where that meets the edge, one off the front of x;
     // where that does too, one off the front of t.
     std::array<std::array<int, 3>, 3> passes{};
