@@ -66,18 +66,26 @@ Result<std::span<const std::uint32_t>> PolygonTriangles::split(std::span<const s
 }
 
 bool PolygonTriangles::is_ear(std::uint32_t corner) {
-  if (!is_convex_[corner]) return false;
   const std::uint32_t a = prev_[corner], b = corner, c = next_[corner];
   const Vec3 &p_a = positions_[face_[a]], &p_b = positions_[face_[b]], &p_c = positions_[face_[c]];
   const Vec3 low = min(min(p_a, p_b), p_c), high = max(max(p_a, p_b), p_c);
   const std::size_t u = (axis_ + 1) % 3, w = (axis_ + 2) % 3;
   const auto are_equal = [&](const Vec3& p, const Vec3& q) { return p[u] == q[u] && p[w] == q[w]; };
+  if (are_equal(p_a, p_b) || are_equal(p_b, p_c) || are_equal(p_c, p_a)) return true;  // covers nothing
+  if (!is_convex_[corner]) return false;
   for (std::uint32_t d = next_[c]; d != a; d = next_[d]) {
     ++test_count_;
-    if (is_convex_[d]) continue;
     const Vec3& p = positions_[face_[d]];
     if (p[u] < low[u] || p[u] > high[u] || p[w] < low[w] || p[w] > high[w]) continue;
-    if (are_equal(p, p_a) || are_equal(p, p_b) || are_equal(p, p_c)) continue;
+    // Where the face comes back to a corner of the ear, it may go on inside of it.
+    const std::uint32_t same = are_equal(p, p_a) ? a : are_equal(p, p_b) ? b : are_equal(p, p_c) ? c : d;
+    if (same != d) {
+      const std::uint32_t before = same == a ? c : same == b ? a : b, after = same == a ? b : same == b ? c : a;
+      const auto is_between = [&](std::uint32_t q) { return turn(before, same, q) > 0 && turn(same, after, q) > 0; };
+      if (is_between(prev_[d]) || is_between(next_[d])) return false;
+      continue;
+    }
+    if (is_convex_[d]) continue;
     if (turn(a, b, d) >= 0 && turn(b, c, d) >= 0 && turn(c, a, d) >= 0) return false;
   }
   return true;
@@ -95,7 +103,7 @@ void PolygonTriangles::cut_ears() {
   }
   std::uint32_t corner = 0;
   for (std::uint32_t passed = 0; left > 2 && test_count_ <= mesh_file_limits::corner_tests;) {
-    // Without an ear, which a face that does not cross itself always has, some corner is cut off.
+    // A face that neither crosses nor touches itself always has an ear. Without one some corner is cut off.
     if (left > 3 && passed < left && !is_ear(corner)) {
       corner = next_[corner];
       ++passed;

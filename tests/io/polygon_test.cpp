@@ -109,12 +109,24 @@ TEST_F(Polygons, with_a_cut_to_a_hole_keep_the_hole) {
   check({{0, 0}, {9, 0}, {9, 9}, {0, 9}, {0, 0}, {3, 3}, {3, 6}, {6, 6}, {6, 3}, {3, 3}}, true);
 }
 
+TEST_F(Polygons, whose_corners_repeat_stay_inside) {
+  std::mt19937 random(13);
+  check({{0, 0}, {6, 0}, {6, 6}, {6, 6}, {3, 1}, {0, 6}, {0, 6}}, true);
+  for (int round = 0; round < 60; ++round) {
+    Polygon repeated;
+    for (const auto& corner : round % 2 == 0 ? between_two_chains(random) : around_a_point(random)) {
+      repeated.insert(repeated.end(), 1 + random() % 3, corner);
+    }
+    check(repeated, true);
+  }
+}
+
 TEST_F(Polygons, that_are_degenerate_or_cross_themselves_are_as_closed_as_others) {
   std::mt19937 random(12);
   check({{0, 0}, {2, 2}, {2, 0}, {0, 2}}, false);
   check({{1, 1}, {1, 1}, {1, 1}, {1, 1}, {1, 1}}, false);
   check({{0, 0}, {3, 0}, {1, 0}, {2, 0}, {5, 0}}, false);
-  check({{0, 0}, {0, 0}, {4, 0}, {4, 0}, {4, 4}, {1, 1}, {1, 1}, {0, 4}}, false);
+  check({{0, 0}, {0, 0}, {4, 0}, {4, 0}, {4, 4}, {1, 1}, {1, 1}, {0, 4}}, true);
   for (int round = 0; round < 100; ++round) {
     Polygon polygon(4 + random() % 9);
     for (auto& corner : polygon) corner = {static_cast<int>(random() % 4), static_cast<int>(random() % 4)};
