@@ -40,9 +40,9 @@ struct Estimate {
   friend Estimate operator*(const Estimate& x, const Estimate& y);
 };
 
-/// How far a point, of which each coordinate may be off by a part `point_error`, is over the plane of a triangle: the
+/// How far a point, of which each coordinate may be off by a part `error_of_p`, is over the plane of a triangle: the
 /// determinant of orient3d().
-Estimate height_over(const Triangle& plane, const Vec3& p, double point_error = 0);
+Estimate height_over(const Triangle& plane, const Vec3& p, double error_of_p = 0);
 
 /// The point p / w * 2^unit, where w > 0. Beside it stands a rounded one, so that most signs need no big integers.
 class ExactPoint {
