@@ -14,7 +14,8 @@ namespace limber::io {
 /// Splits faces into triangles, k - 2 for k corners.
 ///
 /// Every edge of the face belongs to one triangle, every other edge to two, so triangles are as closed as faces. They
-/// keep the face's direction, and cover the same place wherever the face starts.
+/// keep the face's direction. Which corner a face starts with does not change what the triangles of a face cover that
+/// neither crosses nor touches itself.
 class PolygonTriangles {
  public:
   explicit PolygonTriangles(std::span<const Vec3> positions) : positions_(positions) {}

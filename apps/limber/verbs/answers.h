@@ -89,7 +89,7 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
 /// What one answer is to the exit code: pairs that are too close, or, without `min_clearance`, those not beyond
 /// `max_distance`, are found; so are hard clashes. Where meshes do not tell, it is undecided.
 ExitCode exit_code_of(const DistanceQuestion& question, const DistanceAnswer& answer);
-/// That of a run whose pairs have these.
+/// The exit code of a run with two pairs, from the exit codes of both.
 ExitCode worse_of(ExitCode a, ExitCode b);
 
 /// Status, lower, upper, witness, too_close, inside, clash, solids and depth.

@@ -69,7 +69,7 @@ Verdict verdict_of(const Relation& relation, double gap, double depth, const Tol
 
 /// A length that no translation which takes the bodies apart is shorter than; 0 where they do not overlap.
 double proven_depth(const PlacedSurface& a, const PlacedSurface& b);
-/// The same of closed models that overlap; nothing of others.
+/// The proven depth of two closed models that overlap; empty for other pairs.
 std::optional<double> proven_depth(const PlacedModel& a, const PlacedModel& b, const Relation& relation);
 
 const char* to_text(Clash clash);
