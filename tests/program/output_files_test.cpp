@@ -249,8 +249,7 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
         fs::remove(path);
         if (signal == SIGKILL) continue;
         // A warning of the rows until then may come first.
-        EXPECT_TRUE(
-            text_of(err).ends_with("limber: rows until now are in " + path + "; " + out + " is as before\n"))
+        EXPECT_TRUE(text_of(err).ends_with("limber: rows until now are in " + path + "; " + out + " is as before\n"))
             << text_of(err);
       }
     }
