@@ -55,10 +55,12 @@ class RigidMotion {
   const Transform& start() const { return start_; }
   const Transform& end() const { return end_; }
   const Vec3& center() const { return center_; }
+  /// About which it turns, in the world: of length 1, or 0 if nothing turns.
+  const Vec3& axis() const { return axis_; }
 
  private:
   Transform start_, end_;
-  Vec3 center_, displacement_, axis_;  // the axis has length 1, or 0 if nothing turns
+  Vec3 center_, displacement_, axis_;
   double angle_;
 };
 
@@ -76,7 +78,7 @@ struct PathOptions {
   /// How much more than the separation may count as touching, and how far off a least distance may be: finite and >= 0.
   /// Without one it is a part of the radii of spheres around both bodies, taken together: 2^-20 for what touches, 2^-10
   /// for a least distance, or of that distance if it is larger. Never less than what moves in 2^-40 of the time: 0 asks
-  /// for that, and bodies that pass each other closely then take very many distances.
+  /// for that, and bodies that pass each other closely then may take very many distances.
   std::optional<double> distance_error = std::nullopt;
   QueryCache* cache = nullptr;  ///< as in QueryOptions
   QueryBudget budget = {};      ///< when the query has to end; `max_steps` counts distances
@@ -100,13 +102,15 @@ struct [[nodiscard]] PathImpact {
 ///
 /// Promise  As the comments of PathImpact say, up to the rounding of distances (distance.h).
 /// Throws   std::invalid_argument unless both models are committed, the options are what their comments say and poses
-///          are rigid; whatever the functions of a path throw.
+///          are rigid; whatever the functions of a path throw; std::bad_alloc for a RigidMotion.
 /// Cost     Conservative advancement: a distance for each part of the way that is certainly free. 3 to 30 for paths
-///          that hit or miss, more for those that pass by closely for long.
+///          that hit or miss. Where a RigidMotion passes by closely for long, along a direction or about an axis, models
+///          of the bodies as seen along it are built, at O(n log n), and such distances are counted as well; a
+///          RigidPath takes a distance for each gap that it goes.
 /// Budget   If it is spent first, the status is `undecided`, and nothing touches before `time`.
 /// Threads  Reentrant.
-/// Source   [Mirtich1996], [KeinertEtAl2014], with certified lower bounds of distances; docs/algorithms/impact.md,
-///          "Rigid bodies".
+/// Source   [Mirtich1996], [KeinertEtAl2014], with certified lower bounds of distances, and shadows;
+///          docs/algorithms/impact.md, "Rigid bodies".
 LIMBER_API PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b,
                                      const RigidMotion& motion_b, const PathOptions& options = {});
 LIMBER_API PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,

@@ -5,6 +5,7 @@
 // between.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -13,9 +14,10 @@
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/float_environment.h"
-#include "limber/gradients.h"
 #include "limber/path.h"
+#include "path/moving_distance.h"
 #include "path/path_motion.h"
+#include "path/shadow.h"
 
 namespace limber {
 namespace path {
@@ -24,57 +26,6 @@ namespace {
 void require(bool holds, const char* function, const char* what) {
   LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
 }
-
-/// Distances of two models at times on their paths, until the budget is spent.
-class MovingDistance {
- public:
-  MovingDistance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
-                 const PathOptions& options)
-      : a_(a), b_(b), path_a_(path_a), path_b_(path_b), options_(options), speed_(speed) {}
-
-  /// The distance at a time. Nothing if the budget does not allow another one.
-  std::optional<DistanceResult> at(double time, const DistanceOptions& errors_and_limit) {
-    if (count >= options_.budget.max_steps) stopped_by = StoppedBy::max_steps;
-    if (stopped_by != StoppedBy::nothing) return std::nullopt;
-    DistanceOptions wanted = errors_and_limit;
-    wanted.cache = options_.cache, wanted.budget = options_.budget;
-    wanted.budget.max_steps = std::numeric_limits<std::uint64_t>::max();
-    const DistanceResult found = distance(Placed(a_, path_a_.pose(time)), Placed(b_, path_b_.pose(time)), wanted);
-    ++count, stats.node_tests += found.stats.node_tests, stats.primitive_tests += found.stats.primitive_tests;
-    stopped_by = found.stopped_by;
-    return found;
-  }
-
-  /// The normal of what is found at a time.
-  Vec3 normal_at(double time, const Witness& witness) const {
-    return contact_of(Placed(a_, path_a_.pose(time)), Placed(b_, path_b_.pose(time)), witness).normal;
-  }
-
-  /// How long the models are certainly apart by more than a gap that is given, rounded down. Infinite if they stand.
-  double time_for(double gap) const { return down * gap / speed_; }
-  double most_in(double time) const { return speed_ * time / down; }
-  double speed() const { return speed_; }
-  /// The error that the options allow; if they leave it open, a part of a length. As PathOptions says.
-  double error_or(double part, double length) const {
-    return std::max(
-        {options_.distance_error.value_or(part * length), 0x1p-40 * speed_, std::numeric_limits<double>::min()});
-  }
-  double radii() const { return radius_of(a_) + radius_of(b_); }
-
-  std::uint64_t count = 0;
-  StoppedBy stopped_by = StoppedBy::nothing;
-  QueryStats stats{};
-
- private:
-  static constexpr double down = 1 - 0x1p-40;
-
-  static double radius_of(const Body& body) { return body.model().bounding_sphere().radius + body.radius(); }
-
-  Body a_, b_;
-  const RigidPath &path_a_, &path_b_;
-  const PathOptions& options_;
-  double speed_;
-};
 
 /// The gap at a time: by how much the distance exceeds the separation.
 struct Gap {
@@ -141,6 +92,7 @@ PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions&
     LIMBER_ASSERT(time < around.end);
     free = std::max(free, around.end);
     if (ahead.begin <= free) free = std::max(free, ahead.end);
+    if (free < end) free = std::max(free, moving.apart_until(time, end, separation, gap.size));
     time = result.witness ? free : std::max(free, std::min(next_time(moving, earlier, gap), end));
     earlier = gap;
   }
@@ -174,6 +126,7 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   const auto has_larger_bound = [](const Piece& p, const Piece& q) {
     return p.bound != q.bound ? p.bound > q.bound : p.begin > q.begin;
   };
+  double least = 0;           // a lower bound for all times
   std::vector<Piece> pieces;  // a heap with the least bound first
   const auto add = [&](const Piece& p) {
     pieces.push_back(p);
@@ -181,7 +134,8 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   };
   const std::optional<double> first = lower_at(0), last = first ? lower_at(options.max_time) : first;
   if (first && last) add(piece(0, options.max_time, *first, *last));
-  while (!pieces.empty() && result.upper - pieces.front().bound > error()) {
+  while (!pieces.empty() && result.upper - std::max(pieces.front().bound, least) > error()) {
+    least = std::max(least, moving.least_until(options.max_time, 0.5 * error()));
     const Piece p = pieces.front();
     LIMBER_ASSERT(p.begin < p.end && p.bound >= 0);
     // Where the bounds from both ends meet.
@@ -193,16 +147,9 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
     pieces.pop_back();
     add(piece(p.begin, middle, p.at_begin, *there)), add(piece(middle, p.end, *there, p.at_end));
   }
-  result.lower = pieces.empty() ? 0 : std::min(pieces.front().bound, result.upper);
+  result.lower = pieces.empty() ? 0 : std::min(std::max(pieces.front().bound, least), result.upper);
   result.distance_count = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
   return result;
-}
-
-/// How fast the points of a core move as seen from the body's center, which turns about itself.
-double turning_speed(const Body& body, const RigidMotion& motion) {
-  const Sphere sphere = body.model().bounding_sphere();
-  const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
-  return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
 }
 
 /// How fast the cores of two bodies move relative to each other at most: the centers move straight, each body turns.
@@ -218,11 +165,11 @@ PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& option
 /// Checks the options, and answers one of the two questions.
 template <auto question>
 auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
-         const PathOptions& options, const char* function) {
+         const PathOptions& options, const char* function, const MovingBodies* bodies = nullptr) {
   check_options(options, function);
   check_speed(path_a.speed, function), check_speed(path_b.speed, function);
   require(std::isfinite(speed), function, "the sum of both speeds must be finite");
-  MovingDistance moving(a, path_a, b, path_b, speed, options);
+  MovingDistance moving(a, path_a, b, path_b, speed, options, bodies);
   return question(moving, options);
 }
 
@@ -231,8 +178,9 @@ auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidM
          const PathOptions& options, const char* function) {
   const auto pose_a = [&](double time) { return motion_a.at(time); };
   const auto pose_b = [&](double time) { return motion_b.at(time); };
+  const MovingBodies bodies{a, motion_a, b, motion_b};
   return ask<question>(a, RigidPath{pose_a}, b, RigidPath{pose_b}, relative_speed(a, motion_a, b, motion_b), options,
-                       function);
+                       function, &bodies);
 }
 
 }  // namespace
@@ -253,11 +201,15 @@ double speed_of(const Body& body, const RigidMotion& motion) {
   return (length(motion.displacement()) + turning_speed(body, motion)) * (1 + 0x1p-40);
 }
 
-PathImpact first_impact(const Body& body, const RigidPath& path, const Placed& standing, double begin,
-                        const PathOptions& options) {
+PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMotion* motion, const Placed& standing,
+                        double begin, const PathOptions& options) {
   const auto stands = [&](double) { return standing.pose; };
-  const RigidPath still{stands};
-  MovingDistance moving(body, path, standing.body(), still, path.speed, options);
+  const RigidPath path_of_standing{stands};
+  const RigidMotion still(standing.pose);
+  const MovingBodies bodies{body, motion != nullptr ? *motion : still, standing.body(), still};
+  const bool is_motion = motion != nullptr && still.start() == standing.pose;  // which may have been skew
+  MovingDistance moving(body, path, standing.body(), path_of_standing, path.speed, options,
+                        is_motion ? &bodies : nullptr);
   return first_impact(moving, begin, options);
 }
 

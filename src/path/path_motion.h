@@ -17,8 +17,9 @@ double speed_of(const Body& body, const RigidMotion& motion);
 /// time_of_impact() of a body on a path and one that stands still, of which it is known that they do not touch before
 /// a time.
 ///
-/// Pre      The options and the speed are what they have to be, and `begin` is at most options.max_time.
-PathImpact first_impact(const Body& body, const RigidPath& path, const Placed& standing, double begin,
-                        const PathOptions& options);
+/// Pre      The options and the speed are what they have to be, and `begin` is at most options.max_time. The motion is
+///          null, or that of the path.
+PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMotion* motion, const Placed& standing,
+                        double begin, const PathOptions& options);
 
 }  // namespace limber::path

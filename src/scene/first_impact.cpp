@@ -24,8 +24,15 @@ constexpr const char* time_of_impact_name = "limber::Scene::time_of_impact";
 
 class ImpactSearch {
  public:
-  ImpactSearch(const Scene::Impl& scene, const Body& body, const RigidPath& path, const ObjectImpactOptions& options)
-      : scene_(scene), body_(body), path_(path), filter_(options.filter), asked_(scene.objects.size()) {
+  /// The motion is null, or that of the path.
+  ImpactSearch(const Scene::Impl& scene, const Body& body, const RigidPath& path, const RigidMotion* motion,
+               const ObjectImpactOptions& options)
+      : scene_(scene),
+        body_(body),
+        path_(path),
+        motion_(motion),
+        filter_(options.filter),
+        asked_(scene.objects.size()) {
     of_pair_.max_time = options.max_time, of_pair_.min_separation = options.min_separation;
     of_pair_.distance_error = options.distance_error, of_pair_.budget = options.budget;
     found_.result.status = ImpactStatus::clear;
@@ -48,6 +55,7 @@ class ImpactSearch {
   const Scene::Impl& scene_;
   const Body body_;
   const RigidPath path_;
+  const RigidMotion* const motion_;
   const std::optional<ObjectFilter> filter_;
   PathOptions of_pair_;  // its max_time is that of the first impact so far
   double begin_ = 0;     // of the piece
@@ -70,7 +78,7 @@ void ImpactSearch::find_near(const scene::WorldBounds& bounds, double reach) {
 }
 
 void ImpactSearch::ask(ObjectId id) {
-  const PathImpact impact = path::first_impact(body_, path_, scene_.placed(id), begin_, of_pair_);
+  const PathImpact impact = path::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
   PathImpact& first = found_.result;
   const std::uint64_t distances = first.distance_count + impact.distance_count;
   const QueryStats stats{first.stats.node_tests + impact.stats.node_tests,
@@ -123,7 +131,7 @@ ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidMotion& mo
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
   const auto pose = [&](double time) { return motion.at(time); };
-  return ImpactSearch(scene, body, {pose, path::speed_of(body, motion)}, options).run();
+  return ImpactSearch(scene, body, {pose, path::speed_of(body, motion)}, &motion, options).run();
 }
 
 ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidPath& path,
@@ -132,7 +140,7 @@ ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidPath& path
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
   path::check_speed(path.speed, time_of_impact_name);
-  return ImpactSearch(scene, body, path, options).run();
+  return ImpactSearch(scene, body, path, nullptr, options).run();
 }
 
 }  // namespace limber
