@@ -104,9 +104,9 @@ struct [[nodiscard]] PathImpact {
 /// Throws   std::invalid_argument unless both models are committed, the options are what their comments say and poses
 ///          are rigid; whatever the functions of a path throw; std::bad_alloc for a RigidMotion.
 /// Cost     Conservative advancement: a distance for each part of the way that is certainly free. 3 to 30 for paths
-///          that hit or miss. Where a RigidMotion passes by closely for long, along a direction or about an axis, models
-///          of the bodies as seen along it are built, at O(n log n), and such distances are counted as well; a
-///          RigidPath takes a distance for each gap that it goes.
+///          that hit or miss. Where a RigidMotion passes by closely for long, straight or about an axis, models of the
+///          bodies as seen along it are built, at O(n log n), and their distances are counted as well. A RigidPath
+///          takes a distance for each gap that it goes.
 /// Budget   If it is spent first, the status is `undecided`, and nothing touches before `time`.
 /// Threads  Reentrant.
 /// Source   [Mirtich1996], [KeinertEtAl2014], with certified lower bounds of distances, and shadows;

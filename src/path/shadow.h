@@ -25,7 +25,7 @@ double turning_speed(const Body& body, const RigidMotion& motion);
 /// other: it changes as fast as they approach, not as fast as they move.
 ///
 /// The map shortens straight motion along itself. Or, about the axis of a body that turns, it takes each point to its
-/// distance from the axis and its place along it, which turning does not change, and shortens what moves along the axis.
+/// distance from the axis and its place along it, which turning does not change; what moves along it is shortened.
 class Shadow {
  public:
   /// Chooses the map that leaves least of the motion. Of straight motion it leaves at most the speed that is given.
@@ -41,7 +41,7 @@ class Shadow {
   /// coordinates are too large or too small for it.
   ///
   /// Throws   As distance(); std::bad_alloc.
-  /// Cost     Two models are built: of as many triangles, or of up to four times as many if they are seen about an axis.
+  /// Cost     Two models are built: of as many triangles, or of up to four times as many if seen about an axis.
   std::optional<double> distance(const DistanceOptions& options, QueryStats& stats) const;
 
  private:
