@@ -53,9 +53,10 @@ class MovingDistance {
   /// A lower bound of the distance at all times up to one: within an error, if it is least in no certain direction.
   /// Just 0, unless a shadow may spare many distances.
   double least_until(double end, double error) {
-    if (!is_worth_a_shadow(most_in(end) / error)) return 0;
+    if (work_ < 2 * work_of_shadow() || !is_worth_a_shadow(most_in(end) / error)) return 0;
     const Shadow shadow(*bodies_, 0.5 * end, error / end);
     next_shadow_ = 4 * work_;
+    if (0.5 * end * shadow.speed() > error) return 0;
     return std::max(0.0, distance_of(shadow, {.absolute_error = 0.5 * error}) - shadow.speed() * 0.5 * end);
   }
 

@@ -159,7 +159,7 @@ TEST(Shadow, SparesDistancesWhereBodiesPassClosely) {
     }
     const PathDistance nearest = min_distance(a, motion, b, {}, {.distance_error = 2e-5});
     EXPECT_LE(nearest.upper - nearest.lower, 2e-5);
-    EXPECT_LT(nearest.distance_count, touches ? 100'000U : 400U);
+    EXPECT_LT(nearest.distance_count, touches ? 100'000U : 2'000U);
     limber::Scene scene;
     const ObjectId standing = scene.add(b);
     scene.commit();
