@@ -122,7 +122,9 @@ class Filter {
           const double middle = 0.5 * (clipped.begin + clipped.end);
           LIMBER_ASSERT(piece.begin <= clipped.begin && clipped.end <= piece.end);
           const bool is_short = clipped.end - clipped.begin < 0.7 * (piece.end - piece.begin);
-          if (size + 2 > most_open || ++undecided > most_undecided) return result;
+          // Pieces of elements in one plane have volumes of no sign, however short they are.
+          const std::size_t most = volume.largest_size() > volume_error_ ? most_undecided : 1;
+          if (size + 2 > most_open || ++undecided > most) return result;
           if (is_short) {
             open[size++] = clipped;
           } else {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "motion/moving_elements.h"
 
@@ -42,6 +43,7 @@ struct BernsteinVolume {
     const double least = std::min({c[0], c[1], c[2], c[3]}), most = std::max({c[0], c[1], c[2], c[3]});
     return std::max(least, -most);
   }
+  double largest_size() const { return std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[2]), std::abs(c[3])}); }
 };
 
 }  // namespace limber::motion
