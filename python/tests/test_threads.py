@@ -168,23 +168,21 @@ def long_calls() -> dict[str, Callable[[], object]]:
     pairs = numpy.tile([scene.add(ball), scene.add(ball, ([1, 0, 0, 0], [2.001, 0, 0]))], (1_000_000, 1))
     scene.commit()
     points = numpy.random.default_rng(4).normal(size=(2_000_000, 3)) * 0.01
-    ball_points = points[:49_000] / numpy.linalg.norm(points[:49_000], axis=1)[:, None]
-    meeting, crowd, few = limber3d.Scene(), limber3d.Scene(), limber3d.Model(corners[0, :9000], huge[1][:3000] % 9000)
-    wishes = numpy.full(9000, 3.0)
+    ball_points = points[:8000] / numpy.linalg.norm(points[:8000], axis=1)[:, None]
+    meeting, crowd = limber3d.Scene(), limber3d.Scene()
     meeting.add(soup), meeting.add(other), meeting.commit()
     for _ in range(20_000):
-        crowd.add(few)
+        crowd.add(ball)
     crowd.commit()
-    touching = limber3d.contacts(soup, other, 0.0, max_count=400_000).records
+    touching = limber3d.contacts(soup, other, 0.0, max_count=60_000).records
     falls, stays = limber3d.MovingModel(soup), limber3d.MovingModel(other)
     falls.set_motion(soup.vertices + 1)
     stays.set_motion(other.vertices)
     return {
         "Model": lambda: [limber3d.Model(*huge) for _ in range(9)],
-        "convex_hull": lambda: limber3d.Shape.convex_hull(ball_points),
+        "convex_hull": lambda: [limber3d.Shape.convex_hull(ball_points) for _ in range(99)],
         "candidate_pairs": lambda: crowd.candidate_pairs(9),
-        "limit_displacements": lambda: limber3d.limit_displacements(few, soup, 0.1, wishes, pose_b=None),
-        "reduce_contacts": lambda: [limber3d.reduce_contacts(touching, 0.001) for _ in range(9)],
+        "reduce_contacts": lambda: [limber3d.reduce_contacts(touching, 0.001) for _ in range(99)],
         "Scene.contacts of two": lambda: meeting.contacts([[0, 1]] * 9, 1.0),
         "intersections": lambda: limber3d.intersections(soup, other),
         "self_intersections": lambda: limber3d.self_intersections(soup, parallel=True),
@@ -202,11 +200,10 @@ def long_calls() -> dict[str, Callable[[], object]]:
 MANY = ("_many", "Scene.")
 
 
-@pytest.mark.parametrize("name", ["Model", "convex_hull", "candidate_pairs", "limit_displacements", "reduce_contacts",
-                                  "Scene.contacts of two",
-                                  "intersections", "self_intersections", "impacts", "solid_relation",
+@pytest.mark.parametrize("name", ["Model", "intersections", "self_intersections", "impacts", "solid_relation",
                                   "closest_point_many", "contains_many", "signed_distance_many", "solid_relation_many",
-                                  "Scene.distance", "Scene.contacts"])  # fmt: skip
+                                  "Scene.distance", "Scene.contacts", "Scene.contacts of two", "candidate_pairs",
+                                  "convex_hull", "reduce_contacts"])  # fmt: skip
 def test_control_c_ends_long_calls_and_keeps_what_is_done(long_calls: dict[str, Any], name: str) -> None:
     before, sent = signal.signal(signal.SIGINT, signal.default_int_handler), 0.0
 
