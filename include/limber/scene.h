@@ -173,6 +173,7 @@ struct AnyWithinOptions {
 /// How contacts of pairs are computed: PairOptions without a filter.
 struct ObjectContactOptions {
   std::optional<OrientedFaces> oriented_faces = std::nullopt;  ///< as in PairOptions, of each pair
+  QueryBudget budget = {};                                     ///< as in SceneQueryOptions
 };
 
 /// How good the distance to the closest object must be, as DistanceOptions says, and which objects count.
@@ -302,6 +303,7 @@ class Scene {
   /// found    What was in it is replaced; its memory is used again, so keep it for the next frame.
   ///
   /// Promise  The same contacts, to the bit and in order, on any number of threads.
+  /// Budget   If it is spent, `found` has those of the first pairs alone: offsets.size() - 1 pairs are done.
   /// Throws   As collide(), and unless the margin is finite and >= 0; `found` is then empty or unchanged.
   /// Cost     That of the queries, on the threads of the calling oneTBB arena.
   LIMBER_API void contacts(std::span<const ObjectPair> pairs, double margin, ObjectContacts& found,

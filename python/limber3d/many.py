@@ -65,15 +65,19 @@ def _parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
 
 
 def _records(
-    batch: _core.Batch | _core.SceneBatch, dtype: numpy.dtype[numpy.void], is_shown: bool, ask: Callable[[RecordArray, int, int], None]
+    batch: _core.Batch | _core.SceneBatch,
+    dtype: numpy.dtype[numpy.void],
+    is_shown: bool,
+    ask: Callable[..., None],
+    *options: Any,
 ) -> RecordArray:
-    """The records of all poses: ask(records, begin, end) writes those of a part."""
+    """The records of all poses: ask(records, begin, end, *options) writes those of a part."""
     count = 1 if batch.size is None else batch.size
     records = numpy.zeros(count, dtype)
     done = 0
     try:
         for begin, end in _parts(count, is_shown):
-            ask(records[begin:end], begin, end)
+            ask(records[begin:end], begin, end, *options)
             done = end
     except KeyboardInterrupt:
         raise BatchInterrupted(records[:done], done) from None
@@ -95,6 +99,7 @@ def distance_many(
     relative_error: float = 0.0,
     absolute_error: float = 0.0,
     max_distance: float = float("inf"),
+    budget: _core.QueryBudget | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
@@ -103,17 +108,16 @@ def distance_many(
     Shape    Poses of a or b are n poses, or one for all. The result is an array of n records, limber3d.distance_dtype.
     Promise  Record i holds what distance() answers for poses i, to the bit, on any number of threads. Without a witness
              its triangles are 2^32 - 1 and its points are not numbers.
+    Budget   The deadline and the flag are those of the whole call, a number of steps is that of each pose. Poses that
+             are asked after the deadline make one step each.
     Raises   ValueError as distance(), before anything is asked where a pose is malformed; BatchInterrupted, a
              KeyboardInterrupt, which holds the records that were done.
     Threads  At most `threads`, 1 to 4096, all if that is None, without the GIL; see set_thread_limit(). One is the caller's: with
              threads=1 it does all the work. With progress, tqdm shows it where that is installed.
     """
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
-
-    def ask(records: RecordArray, begin: int, end: int) -> None:
-        batch.distance(records, begin, end, relative_error, absolute_error, max_distance)
-
-    return _records(batch, _core.distance_dtype, progress, ask)
+    options = relative_error, absolute_error, max_distance, budget
+    return _records(batch, _core.distance_dtype, progress, batch.distance, *options)
 
 
 def collide_many(
@@ -122,13 +126,14 @@ def collide_many(
     poses_a: PosesLike = None,
     poses_b: PosesLike = None,
     *,
+    budget: _core.QueryBudget | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
     """collide() for many poses: an array of records, limber3d.collide_dtype. Everything else is as distance_many()
     says."""
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
-    return _records(batch, _core.collide_dtype, progress, batch.collide)
+    return _records(batch, _core.collide_dtype, progress, batch.collide, budget)
 
 
 def within_many(
@@ -138,17 +143,14 @@ def within_many(
     poses_a: PosesLike = None,
     poses_b: PosesLike = None,
     *,
+    budget: _core.QueryBudget | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
     """within() for many poses: an array of records, limber3d.collide_dtype. Everything else is as distance_many()
     says."""
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
-
-    def ask(records: RecordArray, begin: int, end: int) -> None:
-        batch.within(records, begin, end, max_distance)
-
-    return _records(batch, _core.collide_dtype, progress, ask)
+    return _records(batch, _core.collide_dtype, progress, batch.within, max_distance, budget)
 
 
 def contacts_many(
@@ -159,29 +161,37 @@ def contacts_many(
     poses_b: PosesLike = None,
     *,
     filter: _core.NeighborRings | None = None,
+    budget: _core.QueryBudget | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> ManyContacts:
     """contacts() for many poses.
 
     Promise  Those of pose i, [i] of the result, are those that contacts() finds, in that order, to the bit.
+    Budget   What it leaves out is missing at the end: the contacts are those of the first poses.
     Raises, Threads   As distance_many().
     """
     batch = _core.Batch(a, b, poses_a, poses_b, threads)
-    found: list[RecordArray] = []
+    found = numpy.zeros(0, _core.contact_dtype)
     counts: list[Any] = [numpy.zeros(1, numpy.int64)]
+    size = 0
 
     def joined() -> ManyContacts:
         offsets = numpy.cumsum(numpy.concatenate(counts), dtype=numpy.int64)
-        return ManyContacts(contacts=_joined(found, _core.contact_dtype), offsets=offsets)
+        found.resize(offsets[-1], refcheck=False)
+        return ManyContacts(contacts=found, offsets=offsets)
 
     try:
         for begin, end in _parts(1 if batch.size is None else batch.size, progress):
-            part = batch.contacts(margin, begin, end, filter)
-            found.append(part[0])
-            counts.append(part[1])
+            part, of_each = batch.contacts(begin, end, margin, filter, budget)
+            if size + len(part) > len(found):  # moves pages, where a list of parts would be copied at the end
+                found.resize(max(size + len(part), len(found) * 5 // 4), refcheck=False)
+            found[size : size + len(part)] = part
+            counts.append(of_each)
+            size += len(part)
+            if len(of_each) < end - begin:
+                break
     except KeyboardInterrupt:
-        del found[len(counts) - 1 :]
         results = joined()
         raise BatchInterrupted(results, len(results)) from None
     return joined()
@@ -200,6 +210,7 @@ def time_of_impact_many(
     max_time: float = 1.0,
     min_separation: float = 0.0,
     distance_error: float | None = None,
+    budget: _core.QueryBudget | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
@@ -216,11 +227,8 @@ def time_of_impact_many(
     Threads  As distance_many().
     """
     batch = _core.MotionBatch(a, b, starts_a, ends_a, starts_b, ends_b, center_a, center_b, threads)
-
-    def ask(records: RecordArray, begin: int, end: int) -> None:
-        batch.time_of_impact(records, begin, end, max_time, min_separation, distance_error)
-
-    return _records(batch, _core.path_impact_dtype, progress, ask)
+    options = max_time, min_separation, distance_error, budget
+    return _records(batch, _core.path_impact_dtype, progress, batch.time_of_impact, *options)
 
 
 def min_distance_many(
@@ -235,17 +243,14 @@ def min_distance_many(
     center_b: ArrayLike | None = None,
     max_time: float = 1.0,
     distance_error: float | None = None,
+    budget: _core.QueryBudget | None = None,
     threads: int | None = None,
     progress: bool = False,
 ) -> RecordArray:
     """min_distance() for many motions: an array of records, limber3d.path_distance_dtype. Everything else is as
     time_of_impact_many() says."""
     batch = _core.MotionBatch(a, b, starts_a, ends_a, starts_b, ends_b, center_a, center_b, threads)
-
-    def ask(records: RecordArray, begin: int, end: int) -> None:
-        batch.min_distance(records, begin, end, max_time, distance_error)
-
-    return _records(batch, _core.path_distance_dtype, progress, ask)
+    return _records(batch, _core.path_distance_dtype, progress, batch.min_distance, max_time, distance_error, budget)
 
 
 def closest_objects_many(
@@ -275,11 +280,8 @@ def closest_objects_many(
     Threads  As distance_many(). A filter that is a function is called before, once for every two objects.
     """
     batch = _core.SceneBatch(scene, ids, poses, filter, threads)
-
-    def ask(records: RecordArray, begin: int, end: int) -> None:
-        batch.closest_objects(records, begin, end, relative_error, absolute_error, max_distance, budget)
-
-    return _records(batch, _core.closest_objects_dtype, progress, ask)
+    options = relative_error, absolute_error, max_distance, budget
+    return _records(batch, _core.closest_objects_dtype, progress, batch.closest_objects, *options)
 
 
 def any_within_many(
@@ -297,11 +299,7 @@ def any_within_many(
     true where two objects are within the distance, `answer` an Answer: undecided where the budget was spent. Everything
     else is as closest_objects_many() says."""
     batch = _core.SceneBatch(scene, ids, poses, filter, threads)
-
-    def ask(records: RecordArray, begin: int, end: int) -> None:
-        batch.any_within(records, begin, end, max_distance, budget)
-
-    return _records(batch, _core.any_within_dtype, progress, ask)
+    return _records(batch, _core.any_within_dtype, progress, batch.any_within, max_distance, budget)
 
 
 def track(
@@ -314,6 +312,7 @@ def track(
     relative_error: float = 0.0,
     absolute_error: float = 0.0,
     max_distance: float = float("inf"),
+    budget: _core.QueryBudget | None = None,
     progress: bool = False,
 ) -> RecordArray:
     """The distance from a model that deforms to another, frame by frame.
@@ -324,6 +323,8 @@ def track(
     Shape    frames is any iterable, or an array (n, v, 3). Poses are one for each frame, or one for all. The result is
              an array of n records, limber3d.distance_dtype.
     Promise  Record i holds what distance() answers for frame i, to the bit.
+    Budget   A number of steps is that of each frame. After the first answer that time or the flag has cut short, there
+             are no more, and the model is left as that frame has it.
     Raises   As move_all() and distance_many(); ValueError if there are more frames than poses.
     """
     batch = _core.Batch(model, other, poses, poses_other)
@@ -341,9 +342,11 @@ def track(
                 model.move_all(frame)
                 model.commit()
                 record = numpy.zeros(1, _core.distance_dtype)
-                batch.distance(record, i, i + 1, relative_error, absolute_error, max_distance)
+                batch.distance(record, i, i + 1, relative_error, absolute_error, max_distance, budget)
                 records.append(record)
                 advance(1)
+                if record["stopped_by"][0] in (_core.StoppedBy.deadline.value, _core.StoppedBy.cancel.value):
+                    break
     except KeyboardInterrupt:
         raise BatchInterrupted(joined(), len(records)) from None
     return joined()

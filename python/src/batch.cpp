@@ -9,9 +9,11 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -61,46 +63,59 @@ class Batch {
 
   /// Writes the records of query(a, b, budget) for poses begin to end.
   template <typename Query>
-  void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
-    write(records, begin, end,
+  void run(nb::handle records, std::size_t begin, std::size_t end, const BudgetObject* given, const Query& query) {
+    write(records, begin, end, given,
           [&](std::size_t i, const QueryBudget& budget) { return query(placed_a(i), placed_b(i), budget); });
   }
 
-  /// The contacts of poses begin to end, one pose after the other, and how many each has.
-  std::pair<RecordArray, IdArray> contacts(double margin, std::size_t begin, std::size_t end,
-                                           const NeighborRings* rings) {
+  /// The contacts of poses begin to end, one pose after the other, and how many each has: of fewer, where the budget is
+  /// spent before.
+  std::pair<RecordArray, IdArray> contacts(std::size_t begin, std::size_t end, double margin,
+                                           const NeighborRings* rings, const BudgetObject* given) {
     const Reading reading_a = reading(a_), reading_b = reading(b_);
     require_within(end);
-    std::vector<std::vector<Contact>> found(end - std::min(begin, end));
-    std::vector<Contact> all;
-    std::vector<std::uint32_t> counts;
-    interruptible(nullptr, [&](const QueryBudget& budget) {
+    struct OfPose {
+      std::deque<Contact> contacts;
+      bool is_whole = false;
+    };
+    std::vector<OfPose> found;
+    interruptible(given, [&](const QueryBudget& budget) {
       PairOptions options{.budget = budget};
-      for (std::vector<Contact>& part : found) part.clear();
       if (rings != nullptr) options.filter = TrianglePairFilter(*rings);
+      found.clear(), found.resize(end - std::min(begin, end));
       for_all(begin, end, [&](std::size_t i) {
-        const auto keep = [&](const Contact& contact) { return found[i - begin].push_back(contact), true; };
-        visit_contacts(placed_a(i), placed_b(i), margin, keep, options);
+        OfPose& of_pose = found[i - begin];
+        if (has_ended(budget)) return;
+        const auto keep = [&](const Contact& contact) { return of_pose.contacts.push_back(contact), true; };
+        const PairCount count = visit_contacts(placed_a(i), placed_b(i), margin, keep, options);
+        of_pose.is_whole = count.stopped_by == StoppedBy::nothing;
       });
-      for (const std::vector<Contact>& part : found) {
-        counts.push_back(static_cast<std::uint32_t>(part.size()));
-        all.insert(all.end(), part.begin(), part.end());
-      }
       return true;
     });
-    return {array_of(std::span<const Contact>(all), dtypes().contact),
-            array_of(std::span<const std::uint32_t>(counts))};
+    std::vector<std::uint32_t> counts;
+    std::size_t total = 0;
+    for (const OfPose& of_pose : found) {
+      if (!of_pose.is_whole) break;
+      counts.push_back(static_cast<std::uint32_t>(of_pose.contacts.size()));
+      total += counts.back();
+    }
+    nb::object all = new_array(dtypes().contact, {total});
+    auto* out = static_cast<Contact*>(memory_of(all, total * sizeof(Contact)));
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      out = std::copy(found[i].contacts.begin(), found[i].contacts.end(), out);
+    }
+    return {RecordArray(std::move(all)), array_of(std::span<const std::uint32_t>(counts))};
   }
 
  protected:
   /// Writes the records of answer(i, budget) for i from begin to end.
   template <typename Answer>
-  void write(nb::handle records, std::size_t begin, std::size_t end, const Answer& answer) {
+  void write(nb::handle records, std::size_t begin, std::size_t end, const BudgetObject* given, const Answer& answer) {
     const Reading reading_a = reading(a_), reading_b = reading(b_);
     require_within(end);
     using Record = decltype(record_of(answer(begin, QueryBudget{})));
     auto* const out = static_cast<Record*>(memory_of(records, (std::max(begin, end) - begin) * sizeof(Record)));
-    interruptible(nullptr, [&](const QueryBudget& budget) {
+    interruptible(given, [&](const QueryBudget& budget) {
       for_all(begin, end, [&](std::size_t i) { out[i - begin] = record_of(answer(i, budget)); });
       return true;
     });
@@ -175,8 +190,8 @@ class MotionBatch : public Batch {
 
   /// Writes the records of query(model a, its motion, model b, its motion, budget) for motions begin to end.
   template <typename Query>
-  void run(nb::handle records, std::size_t begin, std::size_t end, const Query& query) {
-    write(records, begin, end, [&](std::size_t i, const QueryBudget& budget) {
+  void run(nb::handle records, std::size_t begin, std::size_t end, const BudgetObject* given, const Query& query) {
+    write(records, begin, end, given, [&](std::size_t i, const QueryBudget& budget) {
       return query(body_a(), RigidMotion(poses_a()[i], ends_a_[i], center_a_), body_b(),
                    RigidMotion(poses_b()[i], ends_b_[i], center_b_), budget);
     });
@@ -188,34 +203,37 @@ class MotionBatch : public Batch {
 };
 
 void run_distance(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double relative_error,
-                  double absolute_error, double max_distance) {
-  batch.run(records, begin, end, [&](const Placed& a, const Placed& b, const QueryBudget& budget) {
+                  double absolute_error, double max_distance, const BudgetObject* given) {
+  batch.run(records, begin, end, given, [&](const Placed& a, const Placed& b, const QueryBudget& budget) {
     return distance(a, b, {relative_error, absolute_error, max_distance, nullptr, budget});
   });
 }
 
-void run_collide(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end) {
-  batch.run(records, begin, end, [](const Placed& a, const Placed& b, const QueryBudget& budget) {
+void run_collide(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
+                 const BudgetObject* given) {
+  batch.run(records, begin, end, given, [](const Placed& a, const Placed& b, const QueryBudget& budget) {
     return collide(a, b, {nullptr, budget});
   });
 }
 
-void run_within(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double max_distance) {
-  batch.run(records, begin, end, [&](const Placed& a, const Placed& b, const QueryBudget& budget) {
+void run_within(Batch& batch, const RecordArray& records, std::size_t begin, std::size_t end, double max_distance,
+                const BudgetObject* given) {
+  batch.run(records, begin, end, given, [&](const Placed& a, const Placed& b, const QueryBudget& budget) {
     return within(a, b, max_distance, {nullptr, budget});
   });
 }
 
 void run_time_of_impact(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
-                        double max_time, double min_separation, std::optional<double> distance_error) {
-  batch.run(records, begin, end, [&](auto a, auto motion_a, auto b, auto motion_b, const QueryBudget& budget) {
+                        double max_time, double min_separation, std::optional<double> distance_error,
+                        const BudgetObject* given) {
+  batch.run(records, begin, end, given, [&](auto a, auto motion_a, auto b, auto motion_b, const QueryBudget& budget) {
     return time_of_impact(a, motion_a, b, motion_b, {max_time, min_separation, distance_error, nullptr, budget});
   });
 }
 
 void run_min_distance(MotionBatch& batch, const RecordArray& records, std::size_t begin, std::size_t end,
-                      double max_time, std::optional<double> distance_error) {
-  batch.run(records, begin, end, [&](auto a, auto motion_a, auto b, auto motion_b, const QueryBudget& budget) {
+                      double max_time, std::optional<double> distance_error, const BudgetObject* given) {
+  batch.run(records, begin, end, given, [&](auto a, auto motion_a, auto b, auto motion_b, const QueryBudget& budget) {
     return min_distance(a, motion_a, b, motion_b, {max_time, 0, distance_error, nullptr, budget});
   });
 }
@@ -238,11 +256,12 @@ void bind_batch(nb::module_& m) {
            "b"_a, "poses_a"_a.none(), "poses_b"_a.none(), "threads"_a.none() = nb::none())
       .def_prop_ro("size", &Batch::size, "How many poses there are; None if there is one for all.")
       .def("distance", &run_distance, "records"_a, "begin"_a, "end"_a, "relative_error"_a, "absolute_error"_a,
-           "max_distance"_a, "Writes the distances of poses begin to end.")
-      .def("collide", &run_collide, "records"_a, "begin"_a, "end"_a, "Writes the collisions of poses begin to end.")
-      .def("within", &run_within, "records"_a, "begin"_a, "end"_a, "max_distance"_a,
+           "max_distance"_a, "budget"_a = nb::none(), "Writes the distances of poses begin to end.")
+      .def("collide", &run_collide, "records"_a, "begin"_a, "end"_a, "budget"_a = nb::none(),
+           "Writes the collisions of poses begin to end.")
+      .def("within", &run_within, "records"_a, "begin"_a, "end"_a, "max_distance"_a, "budget"_a = nb::none(),
            "Writes the answers of within() for poses begin to end.")
-      .def("contacts", &Batch::contacts, "margin"_a, "begin"_a, "end"_a, "rings"_a.none(),
+      .def("contacts", &Batch::contacts, "begin"_a, "end"_a, "margin"_a, "rings"_a.none(), "budget"_a.none(),
            "Contacts of poses begin to end, and how many each pose has.");
   nb::class_<MotionBatch, Batch>(m, "MotionBatch", "Two models and many rigid motions.")
       .def(nb::init<nb::handle_t<BodyObject>, nb::handle_t<BodyObject>, PosesLike, PosesLike, PosesLike, PosesLike,
@@ -250,9 +269,9 @@ void bind_batch(nb::module_& m) {
            "a"_a, "b"_a, "starts_a"_a.none(), "ends_a"_a.none(), "starts_b"_a.none(), "ends_b"_a.none(),
            "center_a"_a.none(), "center_b"_a.none(), "threads"_a.none())
       .def("time_of_impact", &run_time_of_impact, "records"_a, "begin"_a, "end"_a, "max_time"_a, "min_separation"_a,
-           "distance_error"_a.none(), "Writes the first contacts of motions begin to end.")
+           "distance_error"_a.none(), "budget"_a = nb::none(), "Writes the first contacts of motions begin to end.")
       .def("min_distance", &run_min_distance, "records"_a, "begin"_a, "end"_a, "max_time"_a, "distance_error"_a.none(),
-           "Writes the least distances of motions begin to end.");
+           "budget"_a = nb::none(), "Writes the least distances of motions begin to end.");
   m.def("set_thread_limit", &set_thread_limit, "count"_a.none(),
         "Limits the threads that builds, commits, batches and scenes use in this process, to 1 to 4096; None ends the "
         "limit.\n\n"

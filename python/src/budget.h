@@ -46,4 +46,10 @@ struct BudgetObject {
 /// The budget that a query gets: without limits if Python gave none.
 inline QueryBudget budget_of(const BudgetObject* budget) { return budget != nullptr ? budget->budget : QueryBudget{}; }
 
+/// Whether time is up, or the flag is set.
+inline bool has_ended(const QueryBudget& budget) {
+  return (budget.cancel != nullptr && *budget.cancel) ||
+         (budget.deadline && std::chrono::steady_clock::now() >= *budget.deadline);
+}
+
 }  // namespace limber::python

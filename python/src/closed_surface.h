@@ -59,7 +59,8 @@ class ClosedSurfaceObject {
                [&](const Vec3& p, const Transform& t) { return surface_.signed_distance(p, t, {max_distance}); });
   }
 
-  Named<"NDArray[numpy.bool_]"> contains_many(const ArrayLike& points, const PoseLike& pose) {
+  Named<"NDArray[numpy.bool_]"> contains_many(const ArrayLike& points, const PoseLike& pose,
+                                              const BudgetObject* budget) {
     const Reading guard = reading(model_);
     const std::vector<Vec3> asked = points_from(points, "points");
     const Transform placed = pose_from(pose, "pose");
@@ -71,21 +72,22 @@ class ClosedSurfaceObject {
       oneapi::tbb::parallel_for(Range(begin, end, grain), [&](const Range& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) inside[i] = surface_.contains(asked[i], placed);
       });
+      return end - begin;
     };
-    in_parts(asked.size(), has_bad_point(asked), nullptr, ask_part, [&](std::size_t done) -> nb::object {
-      return answers[nb::slice(nb::int_(0), nb::int_(done), nb::int_(1))];
-    });
-    return answers;
+    return in_parts(asked.size(), has_bad_point(asked), budget, Spent::leaves_out, ask_part,
+                    [&](std::size_t done) { return first(answers, done); });
   }
 
-  RecordArray signed_distance_many(const ArrayLike& points, const PoseLike& pose, double max_distance) {
+  RecordArray signed_distance_many(const ArrayLike& points, const PoseLike& pose, double max_distance,
+                                   const BudgetObject* budget) {
     const Reading guard = reading(model_);
     const std::vector<Vec3> asked = points_from(points, "points");
     const Transform placed = pose_from(pose, "pose");
     const auto ask_part = [&](auto part, auto results, const QueryBudget&) {
       surface_.signed_distance_many(part, results, placed, {max_distance});
     };
-    return recorded_in_parts<SignedDistance>(asked, has_bad_point(asked), nullptr, dtypes().signed_distance, ask_part);
+    return recorded_in_parts<SignedDistance>(asked, has_bad_point(asked), budget, Spent::leaves_out,
+                                             dtypes().signed_distance, ask_part);
   }
 
  private:

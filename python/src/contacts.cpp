@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,19 +41,19 @@ struct Wanted {
 /// Keeps the pairs that search(visitor, options) visits, at most max_count of them; returns what the search did. Ctrl-C
 /// ends it. With a filter in Python it stays on one thread, as this one holds the GIL.
 template <typename Pair, typename Search>
-PairCount collect(std::vector<Pair>& pairs, nb::handle filter, const Wanted& wanted, const BudgetObject* budget,
+PairCount collect(std::deque<Pair>& pairs, nb::handle filter, const Wanted& wanted, const BudgetObject* budget,
                   const Search& search) {
   if (wanted.max_count == 0) return {.is_complete = false};
   const Filter which(filter);
-  const auto keep = [&](const Pair& pair) {
-    pairs.push_back(pair);
-    return pairs.size() != wanted.max_count;
-  };
   PairOptions options{.filter = which.get(),
                       .oriented_faces = wanted.oriented_faces,
                       .budget = {},
                       .parallel = wanted.parallel && !which.needs_gil()};
   const auto find = [&](const QueryBudget& limits) {
+    const auto keep = [&](const Pair& pair) {
+      pairs.push_back(pair);
+      return pairs.size() != wanted.max_count && !*limits.abandon;
+    };
     pairs.clear(), options.budget = limits;
     return search(keep, options);
   };
@@ -61,17 +62,16 @@ PairCount collect(std::vector<Pair>& pairs, nb::handle filter, const Wanted& wan
 
 template <typename Search>
 TrianglePairs found_pairs(nb::handle filter, const Wanted& wanted, const BudgetObject* budget, const Search& search) {
-  std::vector<TrianglePair> pairs;
+  std::deque<TrianglePair> pairs;
   const PairCount count = collect(pairs, filter, wanted, budget, search);
-  return found("TrianglePairs", array_of(std::span<const TrianglePair>(pairs), nb::str("uint32"), {pairs.size(), 2}),
-               count);
+  return found("TrianglePairs", array_of(pairs, nb::str("uint32"), {pairs.size(), 2}), count);
 }
 
 template <typename Search>
 Contacts found_contacts(nb::handle filter, const Wanted& wanted, const BudgetObject* budget, const Search& search) {
-  std::vector<Contact> contacts;
+  std::deque<Contact> contacts;
   const PairCount count = collect(contacts, filter, wanted, budget, search);
-  return found("Contacts", array_of(std::span<const Contact>(contacts), dtypes().contact), count);
+  return found("Contacts", array_of(contacts, dtypes().contact), count);
 }
 
 /// The contacts that search(room, options) writes, for room of that many.
@@ -123,12 +123,15 @@ Contacts closest_pairs_of(BodyObject& a, BodyObject& b, std::size_t count, const
 
 ReducedContacts reduce(const ContactsLike& contacts, double radius, double max_angle, std::size_t max_points) {
   const GivenContacts given = contacts_from(contacts, 1);
-  const std::span<Contact> all = given.contacts;
-  std::vector<std::uint32_t> patch_ids(all.size());
-  const ReductionOptions options{.max_angle = max_angle, .max_points = max_points, .patch_ids = patch_ids};
-  const std::size_t kept = without_gil([&] { return reduce_contacts(all, radius, options); });
-  return result("ReducedContacts", "records"_a = array_of(std::span<const Contact>(all).first(kept), dtypes().contact),
-                "patch_ids"_a = array_of(std::span<const std::uint32_t>(patch_ids).first(kept)));
+  const std::vector<std::uint32_t> patch_ids = aside(given.contacts.size(), [=] {
+    std::vector<std::uint32_t> patches(given.contacts.size());
+    patches.resize(reduce_contacts(given.contacts, radius, {max_angle, max_points, patches}));
+    return patches;
+  });
+  return result(
+      "ReducedContacts",
+      "records"_a = array_of(std::span<const Contact>(given.contacts).first(patch_ids.size()), dtypes().contact),
+      "patch_ids"_a = array_of(std::span<const std::uint32_t>(patch_ids)));
 }
 
 // --- one model with itself ---

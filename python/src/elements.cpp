@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nanobind/nanobind.h>
 
-#include <span>
+#include <deque>
 #include <string>
-#include <vector>
 
 #include "arguments.h"
 #include "bindings.h"
@@ -22,18 +21,17 @@ using ElementPairs = Named<"ElementPairs">;
 /// The pairs that search(visitor, visitor, options) visits, without the GIL.
 template <typename Search>
 ElementPairs found_elements(bool parallel, const BudgetObject* budget, const Search& search) {
-  std::vector<VertexFacePair> vertex_face;
-  std::vector<EdgeEdgePair> edge_edge;
+  std::deque<VertexFacePair> vertex_face;
+  std::deque<EdgeEdgePair> edge_edge;
   const ElementPairCount count = interruptible(budget, [&](const QueryBudget& limits) {
     vertex_face.clear(), edge_edge.clear();
-    return search([&](const VertexFacePair& pair) { return vertex_face.push_back(pair), true; },
-                  [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), true; },
+    return search([&](const VertexFacePair& pair) { return vertex_face.push_back(pair), !*limits.abandon; },
+                  [&](const EdgeEdgePair& pair) { return edge_edge.push_back(pair), !*limits.abandon; },
                   ElementPairOptions{limits, parallel});
   });
-  return result("ElementPairs",
-                "vertex_face"_a = array_of(std::span<const VertexFacePair>(vertex_face), dtypes().vertex_face),
-                "edge_edge"_a = array_of(std::span<const EdgeEdgePair>(edge_edge), dtypes().edge_edge),
-                "is_complete"_a = count.is_complete, "stopped_by"_a = count.stopped_by, "stats"_a = count.stats);
+  return result("ElementPairs", "vertex_face"_a = array_of(vertex_face, dtypes().vertex_face),
+                "edge_edge"_a = array_of(edge_edge, dtypes().edge_edge), "is_complete"_a = count.is_complete,
+                "stopped_by"_a = count.stopped_by, "stats"_a = count.stats);
 }
 
 ElementPairs element_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,

@@ -6,12 +6,14 @@
 #include <initializer_list>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
 #include "docstrings.h"
+#include "interrupts.h"
 #include "limber/limber.h"
 #include "records.h"
 
@@ -40,12 +42,14 @@ template <typename Gradient>
 PoseGradients pose_gradients(nb::handle contacts, nb::handle center, const Gradient& gradient) {
   const GivenContacts given = contacts_from(contacts);
   const Vec3 about = point_from(center, "center");
-  std::vector<Vec3> forces, moments;
-  for (const Contact& contact : given.contacts) {
-    const PoseGradient by_pose = gradient(contact, about);
-    forces.push_back(by_pose.force);
-    moments.push_back(by_pose.moment);
-  }
+  const auto [forces, moments] = aside(given.contacts.size(), [=] {
+    std::pair<std::vector<Vec3>, std::vector<Vec3>> both;
+    for (const Contact& contact : given.contacts) {
+      const PoseGradient by_pose = gradient(contact, about);
+      both.first.push_back(by_pose.force), both.second.push_back(by_pose.moment);
+    }
+    return both;
+  });
   const nb::tuple axes = nb::make_tuple(3);
   return result("PoseGradient", "force"_a = by_contact(forces, given, axes),
                 "moment"_a = by_contact(moments, given, axes));
@@ -54,10 +58,13 @@ PoseGradients pose_gradients(nb::handle contacts, nb::handle center, const Gradi
 template <typename Gradient>
 FloatArray vertex_gradients(nb::handle contacts, const Gradient& gradient) {
   const GivenContacts given = contacts_from(contacts);
-  std::vector<Vec3> by_corners;
-  for (const Contact& contact : given.contacts) {
-    for (const Vec3& by_corner : gradient(contact)) by_corners.push_back(by_corner);
-  }
+  const std::vector<Vec3> by_corners = aside(given.contacts.size(), [=] {
+    std::vector<Vec3> all;
+    for (const Contact& contact : given.contacts) {
+      for (const Vec3& by_corner : gradient(contact)) all.push_back(by_corner);
+    }
+    return all;
+  });
   return by_contact(by_corners, given, nb::make_tuple(3, 3));
 }
 

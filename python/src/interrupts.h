@@ -57,6 +57,7 @@ auto interruptible(bool is_long, bool needs_gil, const BudgetObject* given, Cach
     Interruption interruption(is_long);
     QueryBudget budget = budget_of(given);
     budget.abandon = is_long ? &interruption.has_come : nullptr;
+    if (is_long) run_signal_handlers();  // those that came while arguments were read
     auto result = without_gil_unless(needs_gil, [&] { return work(budget); });
     if (!interruption.has_come) return result;
     if (cache != nullptr) cache->clear();
@@ -78,19 +79,26 @@ inline bool may_take_long(const Body& a, const Body& b) {
 /// Raises limber3d.BatchInterrupted with results: the first `count` of those that were asked for.
 [[noreturn]] void raise_interrupted(const nb::object& results, std::size_t count);
 
-/// Calls ask(begin, end, budget) for parts of 0 to `count` that take about a tenth of a second each, without the GIL;
-/// for all at once if `is_one`: where something is refused, so that its place is named. After Ctrl-C raises
-/// results(done) as those that were done.
+/// Who looks at the budget of a call with many answers: each of them, which tells whether it was spent; or the call,
+/// which then returns fewer answers.
+enum class Spent { is_told, leaves_out };
+
+/// Calls ask(begin, end, budget), which returns how many it has done, for parts of 0 to `count` that take about a tenth
+/// of a second each, without the GIL; for all at once if `is_one`: where something is refused, so that its place is
+/// named. Returns results(done), and raises them as those that were done after Ctrl-C.
 template <typename Ask, typename Results>
-void in_parts(std::size_t count, bool is_one, const BudgetObject* given, const Ask& ask, const Results& results) {
-  constexpr double least_s = 0.03, most_s = 0.12;
-  std::size_t begin = 0, done = 0, size = is_one ? count : 1;
+nb::object in_parts(std::size_t count, bool is_one, const BudgetObject* given, Spent spent, const Ask& ask,
+                    const Results& results) {
+  const bool is_hurried = given != nullptr && spent == Spent::leaves_out;  // then parts are short, to end in time
+  const double least_s = is_hurried ? 0.0005 : 0.03, most_s = 4 * least_s;
+  std::size_t done = 0, size = is_one ? count : 1;
+  bool goes_on = true;
   do {
-    const std::size_t end = begin + std::min(size, count - begin);
+    const std::size_t asked = std::min(size, count - done);
     const auto start = std::chrono::steady_clock::now();
     try {
-      interruptible(given, [&](const QueryBudget& budget) { return ask(begin, end, budget), true; });
-      done = end;
+      const std::size_t answered = interruptible(given, [&](auto& budget) { return ask(done, done + asked, budget); });
+      done += answered, goes_on = answered == asked && !(is_hurried && has_ended(given->budget));
       run_signal_handlers();
     } catch (nb::python_error& error) {
       if (!error.matches(PyExc_KeyboardInterrupt)) throw;
@@ -99,25 +107,24 @@ void in_parts(std::size_t count, bool is_one, const BudgetObject* given, const A
     const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (elapsed_s < least_s) size *= 4;
     if (elapsed_s > most_s) size = std::max<std::size_t>(1, size / 2);
-    begin = end;
-  } while (begin < count);
+  } while (done < count && goes_on);
+  return results(done);
 }
 
 /// The answers that ask(questions, results, budget) gives, in parts, as an array of records.
 template <typename Result, typename Question, typename Ask>
-RecordArray recorded_in_parts(const std::vector<Question>& all, bool is_one, const BudgetObject* given,
+RecordArray recorded_in_parts(const std::vector<Question>& all, bool is_one, const BudgetObject* given, Spent spent,
                               nb::handle dtype, const Ask& ask) {
-  std::vector<Result> results(all.size());
-  in_parts(
-      all.size(), is_one, given,
-      [&](std::size_t begin, std::size_t end, const QueryBudget& budget) {
-        ask(std::span(all).subspan(begin, end - begin), std::span(results).subspan(begin, end - begin), budget);
-      },
-      [&](std::size_t done) {
-        results.resize(done);
-        return recorded(results, dtype);
-      });
-  return recorded(results, dtype);
+  using Record = decltype(record_of(Result{}));
+  nb::object records = new_array(dtype, {all.size()});
+  auto* const out = static_cast<Record*>(memory_of(records, all.size() * sizeof(Record)));
+  const auto ask_part = [&](std::size_t begin, std::size_t end, const QueryBudget& budget) {
+    std::vector<Result> results(end - begin);
+    ask(std::span(all).subspan(begin, end - begin), std::span(results), budget);
+    std::transform(results.begin(), results.end(), out + begin, [](const Result& r) { return record_of(r); });
+    return end - begin;
+  };
+  return in_parts(all.size(), is_one, given, spent, ask_part, [&](std::size_t done) { return first(records, done); });
 }
 
 /// Whether some point is none that queries take.

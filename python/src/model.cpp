@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -33,11 +34,15 @@ namespace {
 /// Makes a mesh of arrays, and returns use(mesh), which owns what it uses, as aside() has it.
 template <typename Use>
 auto with_mesh(nb::handle vertices, nb::handle faces, Use use) {
-  const Positions positions(vertices, "vertices");
+  std::vector<Vec3> positions = points_from(vertices, "vertices");
   std::vector<Corners> triangles = faces_from(faces, "faces");
-  Mesh mesh = value_or_raise(without_gil([&] { return Mesh::create(positions.view(), std::move(triangles)); }));
-  const std::size_t size = mesh.triangles().size();
-  return aside(size, [mesh = std::move(mesh), use = std::move(use)]() mutable { return use(std::move(mesh)); });
+  const std::size_t size = triangles.size();
+  auto make = [positions = std::move(positions), triangles = std::move(triangles), use = std::move(use)]() mutable {
+    Result<Mesh> mesh = Mesh::create(std::move(positions), std::move(triangles));
+    using Made = Result<std::invoke_result_t<Use&, Mesh>>;
+    return mesh ? Made(use(std::move(mesh).value())) : Made(mesh.error());
+  };
+  return value_or_raise(aside(size, std::move(make)));
 }
 
 using MeshArgument = Named<"ArrayLike | MeshLike">;
@@ -180,14 +185,15 @@ Named<"MeshFile"> mesh_file(const std::filesystem::path& path, bool weld, double
 void open_sequence(MeshSequence* self,
                    const std::variant<std::filesystem::path, std::vector<std::filesystem::path>>& frames, bool weld,
                    double weld_tolerance, bool parts) {
-  const auto open = [&](const auto& paths) {
+  const auto open = [=](const auto& paths) {
     return MeshSequence::open(paths, ReadOptions{weld, weld_tolerance, parts});
   };
-  new (self) MeshSequence(value_or_raise(without_gil([&] { return std::visit(open, frames); })));
+  new (self) MeshSequence(value_or_raise(aside(any_size, [open, frames] { return std::visit(open, frames); })));
 }
 
 FloatArray positions_in(const MeshSequence& self, const std::filesystem::path& path, std::size_t frame) {
-  const std::vector<Vec3> positions = value_or_raise(without_gil([&] { return self.read_positions(path, frame); }));
+  const std::vector<Vec3> positions = value_or_raise(
+      aside(any_size, [&self, path, frame, owner = nb::find(self)] { return self.read_positions(path, frame); }));
   return array_of(std::span<const Vec3>(positions));
 }
 

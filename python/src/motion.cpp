@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,6 +45,7 @@ class MovingModelObject {
 
   /// A moving model, and the right to read it and its model while a query runs.
   struct InUse {
+    nb::object owner;
     Reading own, model;
     const MovingModel& moving;
   };
@@ -51,7 +53,7 @@ class MovingModelObject {
     Reading own = users_.read("the motion is being set by another thread");
     Reading model = reading(model_);
     if (!motion_.is_valid()) throw nb::value_error("the moving model has no motion: call set_motion()");
-    return {std::move(own), std::move(model), moving_};
+    return {nb::find(*this), std::move(own), std::move(model), moving_};
   }
 
  private:
@@ -117,12 +119,12 @@ ImpactResult self_time_of_impact_of(MovingModelObject& model, double max_time, d
 /// The pairs that search(visitor, options) visits, without the GIL, as a result of that class.
 template <typename Pair, typename Search>
 nb::object found_impacts(const char* class_name, nb::handle dtype, ImpactArguments& given, const Search& search) {
-  std::vector<Pair> pairs;
+  std::deque<Pair> pairs;
   const PairCount count = given.ask([&](const ImpactOptions& options) {
     pairs.clear();
-    return search([&](const Pair& pair) { return pairs.push_back(pair), true; }, options);
+    return search([&](const Pair& pair) { return pairs.push_back(pair), !*options.budget.abandon; }, options);
   });
-  return found(class_name, array_of(std::span<const Pair>(pairs), dtype), count);
+  return found(class_name, array_of(pairs, dtype), count);
 }
 
 Named<"Impacts"> impacts_of(MovingModelObject& a, MovingModelObject& b, double max_time, double time_error,
@@ -187,7 +189,7 @@ FloatArray array_of_numbers(const std::vector<double>& numbers) {
 }
 
 FloatArray limit_self_displacements_of(ModelObject& model, double separation, const ArrayLike& displacements) {
-  return array_of_numbers(aside(model.model.mesh().triangles().size(),
+  return array_of_numbers(aside(may_take_long(model.model, model.model) ? any_size : 0,
                                 [&body = model.model, separation, use = InUse(model),
                                  limits = displacements_from(displacements, "displacements")]() mutable {
                                   limit_self_displacements(body, separation, limits);
@@ -207,7 +209,7 @@ Named<"DisplacementLimits"> limit_displacements_of(ModelObject& a, ModelObject& 
   if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
   const Placed placed_a(a.model, pose_from(pose_a, "pose_a")), placed_b(b.model, pose_from(pose_b, "pose_b"));
   std::tie(limits_a, limits_b) =
-      aside(a.model.mesh().triangles().size(), [=, use_a = InUse(a), use_b = InUse(b)]() mutable {
+      aside(may_take_long(a.model, b.model) ? any_size : 0, [=, use_a = InUse(a), use_b = InUse(b)]() mutable {
         limit_displacements(placed_a, placed_b, separation, limits_a, limits_b);
         return std::pair(limits_a, limits_b);
       });
@@ -215,18 +217,21 @@ Named<"DisplacementLimits"> limit_displacements_of(ModelObject& a, ModelObject& 
 }
 
 FloatArray limit_self_motions_of(MovingModelObject& model, double separation, const ArrayLike& fractions) {
-  std::vector<double> limits = displacements_from(fractions, "fractions");
-  const auto use = model.use();
-  without_gil([&] { limit_self_motions(use.moving, separation, limits); });
-  return array_of_numbers(limits);
+  return array_of_numbers(
+      aside(any_size, [separation, use = model.use(), limits = displacements_from(fractions, "fractions")]() mutable {
+        limit_self_motions(use.moving, separation, limits);
+        return limits;
+      }));
 }
 
 Named<"DisplacementLimits"> limit_motions_of(MovingModelObject& a, MovingModelObject& b, double separation,
                                              const ArrayLike& of_a, nb::handle of_b) {
   std::vector<double> limits_a = displacements_from(of_a, "of_a"), limits_b;
   if (!of_b.is_none()) limits_b = displacements_from(of_b, "of_b");
-  const auto use_a = a.use(), use_b = b.use();
-  without_gil([&] { limit_motions(use_a.moving, use_b.moving, separation, limits_a, limits_b); });
+  std::tie(limits_a, limits_b) = aside(any_size, [=, use_a = a.use(), use_b = b.use()]() mutable {
+    limit_motions(use_a.moving, use_b.moving, separation, limits_a, limits_b);
+    return std::pair(limits_a, limits_b);
+  });
   return limits_of(limits_a, limits_b, of_b);
 }
 

@@ -4,10 +4,12 @@
 
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <deque>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -156,14 +158,21 @@ RecordArray array_of(std::span<const T> records, nb::handle dtype) {
   return array_of(records, dtype, {records.size()});
 }
 
-/// The records of results.
-template <typename Result>
-RecordArray recorded(const std::vector<Result>& results, nb::handle dtype) {
-  using Record = decltype(record_of(results[0]));
-  std::vector<Record> records;
-  records.reserve(results.size());
-  for (const Result& result : results) records.push_back(record_of(result));
-  return array_of(std::span<const Record>(records), dtype);
+/// What a search has found, in a deque: it grows without being copied, which would take seconds where it is large.
+template <typename T>
+nb::object array_of(const std::deque<T>& found, nb::handle dtype, std::initializer_list<std::size_t> shape) {
+  nb::object array = new_array(dtype, shape);
+  std::copy(found.begin(), found.end(), static_cast<T*>(memory_of(array, found.size() * sizeof(T))));
+  return array;
+}
+template <typename T>
+RecordArray array_of(const std::deque<T>& records, nb::handle dtype) {
+  return array_of(records, dtype, {records.size()});
+}
+
+/// The first elements of an array.
+inline nb::object first(const nb::object& array, std::size_t count) {
+  return array[nb::slice(nb::int_(0), nb::int_(count), nb::int_(1))];
 }
 
 /// What __reduce__() returns of an object that is made with arguments, and then gets a state by _restore().

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,16 +30,27 @@ namespace {
 using Filter = PairFilter<ObjectPairFilter>;
 using SceneCacheObject = CacheObject<SceneCache>;
 
+/// What search(scene, visitor) finds. Ctrl-C ends it.
+template <typename Found, typename Search>
+std::deque<Found> found_in(SceneObject& self, bool needs_gil, const Search& search) {
+  return self.read([&](const Scene& scene) {
+    return interruptible(
+        nullptr,
+        [&](const QueryBudget& budget) {
+          std::deque<Found> all;
+          search(scene, [&](const Found& found) { return all.push_back(found), !*budget.abandon; });
+          return all;
+        },
+        needs_gil);
+  });
+}
+
 IdArray candidate_pairs_of(SceneObject& self, double margin, const ObjectFilter& filter) {
   const Filter which(filter);
-  std::vector<ObjectPair> pairs;
-  self.read([&](const Scene& scene) {
-    without_gil_unless(which.needs_gil(), [&] {
-      scene.visit_candidate_pairs(margin, [&](const ObjectPair& pair) { return pairs.push_back(pair), true; },
-                                  {which.get()});
-    });
+  const auto pairs = found_in<ObjectPair>(self, which.needs_gil(), [&](const Scene& scene, const auto& visit) {
+    scene.visit_candidate_pairs(margin, visit, {which.get()});
   });
-  return array_of(std::span<const ObjectPair>(pairs), nb::str("uint32"), {pairs.size(), 2});
+  return array_of(pairs, nb::str("uint32"), {pairs.size(), 2});
 }
 
 /// A filter of objects as Python passes it: None, or something that is called with an id.
@@ -70,13 +82,10 @@ IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double 
   const Reading model_guard = reading(object);
   const SingleFilter which(filter);
   const Placed placed(object.body(), pose_from(pose, "pose"));
-  std::vector<ObjectId> ids;
-  self.read([&](const Scene& scene) {
-    without_gil_unless(which.needs_gil(), [&] {
-      scene.visit_candidates(placed, margin, [&](ObjectId id) { return ids.push_back(id), true; }, {which.get()});
-    });
+  const auto ids = found_in<ObjectId>(self, which.needs_gil(), [&](const Scene& scene, const auto& visit) {
+    scene.visit_candidates(placed, margin, visit, {which.get()});
   });
-  return array_of(std::span<const ObjectId>(ids));
+  return array_of(ids, nb::str("uint32"));
 }
 
 ClosestObjectResult closest_object_of(SceneObject& self, nb::handle_t<BodyObject> model, const PoseLike& pose,
@@ -130,28 +139,28 @@ bool names_no_object(const Scene& scene, std::span<const ObjectPair> pairs) {
 }
 
 Named<"ManyContacts"> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
-                                        std::optional<OrientedFaces> oriented_faces) {
+                                        std::optional<OrientedFaces> oriented_faces, const BudgetObject* budget) {
   const std::vector<ObjectPair> asked = object_pairs_from(pairs);
   ObjectContacts found;
-  std::vector<Contact> contacts;
+  std::deque<Contact> contacts;
   std::vector<std::int64_t> offsets{0};
-  const auto first = [&](std::size_t count) {
+  const auto of_first = [&](std::size_t count) {
     offsets.resize(count + 1), contacts.resize(static_cast<std::size_t>(offsets.back()));
-    return result("ManyContacts", "contacts"_a = array_of(std::span<const Contact>(contacts), dtypes().contact),
+    return result("ManyContacts", "contacts"_a = array_of(contacts, dtypes().contact),
                   "offsets"_a = array_of(std::span<const std::int64_t>(offsets), nb::str("int64"), {offsets.size()}));
   };
-  self.read([&](const Scene& scene) {
-    const auto ask = [&](std::size_t begin, std::size_t end, const QueryBudget&) {
+  return self.read([&](const Scene& scene) {
+    const auto ask = [&](std::size_t begin, std::size_t end, const QueryBudget& limits) {
       offsets.resize(begin + 1), contacts.resize(static_cast<std::size_t>(offsets.back()));  // if asked again
-      scene.contacts(std::span(asked).subspan(begin, end - begin), margin, found, {oriented_faces});
+      scene.contacts(std::span(asked).subspan(begin, end - begin), margin, found, {oriented_faces, limits});
       for (std::size_t i = 1; i < found.offsets.size(); ++i) {
         offsets.push_back(static_cast<std::int64_t>(contacts.size() + found.offsets[i]));
       }
       contacts.insert(contacts.end(), found.contacts.begin(), found.contacts.end());
+      return found.offsets.size() - 1;
     };
-    in_parts(asked.size(), names_no_object(scene, asked), nullptr, ask, first);
+    return in_parts(asked.size(), names_no_object(scene, asked), budget, Spent::leaves_out, ask, of_first);
   });
-  return first(asked.size());
 }
 
 /// Asks query(scene, pairs, results, cache, budget) about pairs of objects; its answers as an array of records.
@@ -166,7 +175,7 @@ RecordArray asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject
       query(scene, part, results, used.get(), limits);
     };
     try {  // with a cache at once: a part would take the place of another one in it
-      return recorded_in_parts<Result>(asked, is_refused || cache != nullptr, budget, dtype, ask);
+      return recorded_in_parts<Result>(asked, is_refused || cache != nullptr, budget, Spent::is_told, dtype, ask);
     } catch (...) {
       if (cache != nullptr) used.get()->clear();
       throw;
@@ -314,6 +323,11 @@ void bind_scene(nb::module_& m) {
           "id_bound", [](SceneObject& self) { return self.look([](const Scene& scene) { return scene.id_bound(); }); },
           docs::Scene_id_bound)
       .def("model", &SceneObject::model, "id"_a, "The model of an object.")
+      .def(
+          "object", [](SceneObject& self, ObjectId id) { return nb::make_tuple(self.model(id), pose_of(self, id)); },
+          "id"_a, nb::sig("def object(self, id: int) -> tuple[Body, FloatArray]"),
+          "The model and the pose of an object: closest_object(*scene.object(id), filter=others) asks what is next to "
+          "it.")
       .def("pose", &pose_of, "id"_a, "world_from_model of an object, 4 x 4.")
       .def(
           "bounding_box",
@@ -335,7 +349,7 @@ void bind_scene(nb::module_& m) {
            max_distance_argument(), "filter"_a = nb::none(), "cache"_a = nb::none(), "budget"_a = nb::none(),
            docs::Scene_closest_objects)
       .def("contacts", &contacts_of_pairs, "pairs"_a, "margin"_a, nb::kw_only(), "oriented_faces"_a = nb::none(),
-           docs::Scene_contacts)
+           "budget"_a = nb::none(), docs::Scene_contacts)
       .def("any_within", &any_within_of, "max_distance"_a, nb::kw_only(), "filter"_a = nb::none(),
            "budget"_a = nb::none(), docs::Scene_any_within)
       .def("candidates", &candidates_of, "model"_a, "margin"_a, "pose"_a = nb::none(), nb::kw_only(),

@@ -11,6 +11,7 @@
 #include "arguments.h"
 #include "arrays.h"
 #include "bindings.h"
+#include "interrupts.h"
 #include "limber/scene.h"
 
 namespace limber::python {
@@ -80,9 +81,9 @@ class SceneObject {
   }
 
   void commit() {
-    const Changing guard = changing();
-    const std::vector<Reading> guards = reading_models();
-    without_gil([&] { scene_.commit(); });
+    aside(scene_.size(), [this, owner = nb::find(*this), guard = changing(), guards = reading_models()] {
+      return scene_.commit(), true;
+    });
   }
 
   Named<"Body"> model(ObjectId id) {

@@ -46,7 +46,7 @@ Made cylinder(const ArrayLike& start, const ArrayLike& end, double radius, doubl
 
 Made convex_hull(const ArrayLike& points, double radius) {
   const std::vector<Vec3> corners = points_from(points, "points");
-  return remember(aside(corners.size(), [corners, radius] { return made(Shape::convex_hull(corners, radius)); }),
+  return remember(aside(corners.size() * 64, [corners, radius] { return made(Shape::convex_hull(corners, radius)); }),
                   "convex_hull", rows_of(corners), radius);
 }
 

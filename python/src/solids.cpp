@@ -77,7 +77,8 @@ RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const
   const auto ask = [&](auto part, auto results, const QueryBudget& limits) {
     solid_relation_many(placed, part, results, {limits});
   };
-  return recorded_in_parts<SolidRelationResult>(asked, is_refused, budget, dtypes().solid_relation, ask);
+  return recorded_in_parts<SolidRelationResult>(asked, is_refused, budget, Spent::is_told, dtypes().solid_relation,
+                                                ask);
 }
 
 DeepestVertices deepest_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const PoseLike& pose_a,

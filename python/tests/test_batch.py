@@ -130,6 +130,11 @@ def test_pairs_of_an_assembly(tmp_path: Path, ball: limber3d.Model, tetra: limbe
         batch.pairs(models, None, [[0.0, 1.0]], out=tmp_path / "bad")
     with pytest.raises(ValueError, match="each of 5 models"):
         batch.pairs(models, shapes.random_poses(6, 4), out=tmp_path / "bad")
+    sphere: Any = limber3d.Shape.sphere(1)
+    with pytest.raises(TypeError, match="^b: a batch of files takes a Model; got Shape"):
+        batch.sweep(ball, sphere, out=tmp_path / "bad")
+    with pytest.raises(TypeError, match=r"^models\[1\]: a batch of files takes a Model"):
+        batch.pairs([ball, sphere], out=tmp_path / "bad")
 
 
 def test_content_is_told_apart() -> None:

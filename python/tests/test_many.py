@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import _thread
+import functools
 import os
 import signal
 import sys
@@ -120,6 +121,30 @@ def test_tracking_gives_the_answers_of_single_calls(tetra: limber3d.Model, ball:
     assert limber3d.track(tetra, [], ball).shape == (0,)
     with pytest.raises(ValueError, match="only 2 poses"):
         limber3d.track(tetra, frames, ball, poses[:2])
+
+
+def test_budgets_end_batches(ball: limber3d.Model) -> None:
+    cancel, poses = limber3d.CancelFlag(), random_poses(5, 300, 0.5)
+    cancel.set()
+    few, late = limber3d.QueryBudget(max_steps=1), limber3d.QueryBudget(deadline=0.0)
+    for budget in (few, late, limber3d.QueryBudget(cancel=cancel)):
+        assert limber3d.collide_many(ball, ball, poses, budget=budget)["stopped_by"].any()
+        assert limber3d.within_many(ball, ball, 0.1, poses, budget=budget)["stopped_by"].any()
+        cut = limber3d.distance_many(ball, ball, poses, budget=budget)
+        assert (cut["lower"] <= limber3d.distance_many(ball, ball, poses)["upper"]).all() and cut["stopped_by"].any()
+        assert len(limber3d.contacts_many(ball, ball, 0.1, poses, budget=budget)) < 300
+        for many in (limber3d.time_of_impact_many, limber3d.min_distance_many):
+            assert many(ball, ball, poses[:9], poses[9:18], budget=budget)["distance_count"].max() <= 1
+    assert len(limber3d.track(ball, [ball.vertices] * 9, ball, budget=few)) == 9
+    assert len(limber3d.track(ball, [ball.vertices] * 9, ball, poses_other=poses[0], budget=late)) <= 1
+
+
+def test_points_that_a_budget_leaves_out_are_the_last(ball: limber3d.Model) -> None:
+    points, surface = numpy.random.default_rng(6).normal(size=(5000, 3)), limber3d.ClosedSurface(ball)
+    for many in (functools.partial(limber3d.closest_point_many, ball), surface.contains_many, surface.signed_distance_many):
+        whole, cut = many(points), many(points, budget=limber3d.QueryBudget(deadline=0.0))
+        assert len(whole) == len(many(points, budget=limber3d.QueryBudget())) == 5000
+        assert 0 < len(cut) < 5000 and (cut == whole[: len(cut)]).all()
 
 
 @pytest.fixture

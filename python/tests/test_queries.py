@@ -89,6 +89,16 @@ BAD_POSES: list[tuple[Any, str]] = [
 ]
 
 
+def test_rotations_of_scipy_are_poses(ball: limber3d.Model) -> None:
+    rotation = pytest.importorskip("scipy.spatial.transform").Rotation.from_rotvec([[0, 0, 0.5], [0.1, 0.2, 0.3]])
+    shifts = numpy.array([[2.5, 0, 0], [0, 2.5, 0]])
+    for i, turn in enumerate(rotation):
+        expected = limber3d.distance(ball, ball, pose_b=(turn.as_matrix(), shifts[i])).upper
+        assert limber3d.distance(ball, ball, pose_b=(turn, shifts[i])).upper == expected
+        assert limber3d.distance_many(ball, ball, poses_b=(rotation, shifts))["upper"][i] == expected
+    assert limber3d.collide(ball, ball, pose_b=rotation[0])
+
+
 @pytest.mark.parametrize(("pose", "message"), BAD_POSES)
 def test_poses_that_are_none_are_refused(tetra: limber3d.Model, pose: Any, message: str) -> None:
     for ask in (limber3d.distance, limber3d.collide, limber3d.intersections):

@@ -38,6 +38,15 @@ def test_candidates_and_queries_of_pairs(ball: limber3d.Model) -> None:
         assert single.upper == scene.distance(far)["upper"][i]
 
 
+def test_an_object_is_a_model_at_a_pose(ball: limber3d.Model) -> None:
+    scene = row_of(ball, 4)
+    model, pose = scene.object(2)
+    assert model is ball and (pose == scene.pose(2)).all()
+    assert scene.closest_object(*scene.object(2), filter=lambda other: other != 2).object in (1, 3)
+    with pytest.raises(ValueError):
+        scene.object(9)
+
+
 def test_budgets_end_queries_of_pairs(ball: limber3d.Model) -> None:
     scene, pairs = row_of(ball, 4), [[0, 2], [0, 1], [1, 3]]
     cancel = limber3d.CancelFlag()
@@ -51,6 +60,10 @@ def test_budgets_end_queries_of_pairs(ball: limber3d.Model) -> None:
             assert found["answer"][1] == limber3d.Answer.undecided and found["stopped_by"][1] == stopped_by
         distances = scene.distance(pairs, budget=budget)
         assert (distances["status"] == limber3d.DistanceStatus.interrupted).all()
+    contacts = scene.contacts(pairs, 0.1, budget=limber3d.QueryBudget(max_steps=1))
+    whole = scene.contacts(pairs, 0.1)
+    assert len(contacts) == 1 and len(whole) == 3 and (contacts[0] == whole[0]).all()  # the next takes more steps
+    assert len(scene.contacts(pairs, 0.1, budget=limber3d.QueryBudget(cancel=cancel))) <= 1
     enough = limber3d.QueryBudget(max_steps=100000)
     found = scene.collide(pairs, budget=enough)
     assert found["answer"].tolist() == [limber3d.Answer.no, limber3d.Answer.yes, limber3d.Answer.no]

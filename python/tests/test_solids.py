@@ -11,6 +11,7 @@ import limber3d
 import numpy
 import pytest
 from limber3d import SolidRelation
+from shapes import TETRA_FACES, TETRA_VERTICES
 from shapes import ball as ball_arrays
 from shapes import random_poses
 
@@ -174,3 +175,16 @@ def test_mistakes_are_errors() -> None:
     ):
         with pytest.raises(ValueError, match="reset"):
             stale()
+
+
+def test_bodies_that_only_touch_are_not_deep_by_rounding() -> None:
+    rng, relations = numpy.random.default_rng(8), []
+    for _ in range(150):
+        shift, size = rng.normal(size=3), rng.choice([0.1, 0.3, 1.0])
+        above = limber3d.ClosedSurface(limber3d.Model(TETRA_VERTICES * size + shift, TETRA_FACES))
+        below = (TETRA_VERTICES * [1, 1, -1]) * size / 4 + shift
+        surface = limber3d.ClosedSurface(limber3d.Model(below, TETRA_FACES[:, ::-1]))
+        relations.append(limber3d.solid_relation(above, surface).relation)
+        if relations[-1] == SolidRelation.touching:
+            assert limber3d.signed_distance(above, surface).upper == 0
+    assert relations.count(SolidRelation.touching) > 100

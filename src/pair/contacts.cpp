@@ -69,7 +69,7 @@ PairCount closest_pairs(const pair::PlacedPair& placed, const Pairs& pairs, std:
   }
   result.count = collector.count;
   result.is_complete = result.stopped_by == StoppedBy::nothing;
-  collector.sort();
+  if (options.budget.abandon == nullptr || !*options.budget.abandon) collector.sort();
   return result;
 }
 

@@ -129,7 +129,7 @@ void ShortestTranslation::look_at_contacts() {
 void ShortestTranslation::raise_lower(const DeepestPair& deepest) {
   for (const auto& vertex : {deepest.of_a, deepest.of_b}) {
     if (!vertex) continue;
-    lower_ = std::max(lower_, vertex->depth);
+    if (vertex->depth > 2 * sweep_.tolerance()) lower_ = std::max(lower_, vertex->depth);  // else it may but touch
     starts_.push_back(0.5 * (vertex->position + vertex->closest.position));
   }
   starts_.push_back(center_of(a_)), starts_.push_back(center_of(b_));

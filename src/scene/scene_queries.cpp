@@ -3,6 +3,7 @@
 
 // Queries of pairs of objects, on all threads.
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -99,20 +100,27 @@ void Scene::contacts(std::span<const ObjectPair> pairs, double margin, ObjectCon
     std::vector<Contact> contacts;
     std::vector<std::size_t> ends;  // of each pair, in `contacts`
   };
+  std::atomic<std::size_t> cut = pairs.size();  // the first pair that the budget does not allow for
   const auto find = [&](std::size_t chunk, Chunk& of_chunk) {
     const std::size_t begin = chunk * pairs_of_chunk, end = std::min(begin + pairs_of_chunk, pairs.size());
     const auto keep = [&](const Contact& contact) { return of_chunk.contacts.push_back(contact), true; };
-    for (std::size_t i = begin; i < end; ++i) {
-      visit_contacts(scene.placed(pairs[i].a), scene.placed(pairs[i].b), margin, keep,
-                     {.oriented_faces = options.oriented_faces});
-      of_chunk.ends.push_back(of_chunk.contacts.size());
+    for (std::size_t i = begin; i < std::min(end, cut.load()); ++i) {
+      const PairCount of_pair = visit_contacts(scene.placed(pairs[i].a), scene.placed(pairs[i].b), margin, keep,
+                                               {.oriented_faces = options.oriented_faces, .budget = options.budget});
+      if (of_pair.stopped_by == StoppedBy::nothing) {
+        of_chunk.ends.push_back(of_chunk.contacts.size());
+      } else {
+        for (std::size_t least = cut; i < least && !cut.compare_exchange_weak(least, i);) continue;
+      }
     }
+    of_chunk.contacts.resize(of_chunk.ends.empty() ? 0 : of_chunk.ends.back());
   };
   ObjectContacts all = std::exchange(found, {});
   all.contacts.clear(), all.offsets.clear();
   all.offsets.reserve(pairs.size() + 1);
   all.offsets.push_back(0);
   const auto append = [&](Chunk& chunk) {
+    if (all.offsets.size() > cut) chunk = {};  // behind the cut
     const std::size_t count = all.contacts.size(), done = all.offsets.size() - 1 + chunk.ends.size();
     if (count + chunk.contacts.size() > all.contacts.capacity()) {
       all.contacts.reserve(room_for(count + chunk.contacts.size(), done, pairs.size()));
@@ -122,7 +130,7 @@ void Scene::contacts(std::span<const ObjectPair> pairs, double margin, ObjectCon
     chunk.contacts.clear(), chunk.ends.clear();
   };
   base::parallel_in_order<Chunk>((pairs.size() + pairs_of_chunk - 1) / pairs_of_chunk, find, append);
-  LIMBER_ASSERT(all.offsets.size() == pairs.size() + 1 && all.offsets.back() == all.contacts.size());
+  LIMBER_ASSERT(all.offsets.size() == cut + 1 && all.offsets.back() == all.contacts.size());
   found = std::move(all);
 }
 

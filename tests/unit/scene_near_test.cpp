@@ -167,6 +167,21 @@ TEST(SceneContactsTest, AreThoseOfTwoModelsOnAnyNumberOfThreads) {
       });
     }
   }
+  std::size_t whole = 0;  // pairs before the first that takes more steps
+  const PairOptions few{.budget = {.max_steps = 40}};
+  const auto any = [](const Contact&) { return true; };
+  for (const auto& [a, b] : pairs) {
+    if (!visit_contacts(heap.scene.object(a), heap.scene.object(b), 0.1, any, few).is_complete) break;
+    ++whole;
+  }
+  ASSERT_TRUE(whole > 8 && whole < pairs.size()) << whole;
+  std::vector<std::size_t> of_first = found.offsets;
+  of_first.resize(whole + 1);
+  for (const int threads : {1, 5}) {
+    oneapi::tbb::task_arena(threads).execute([&] { heap.scene.contacts(pairs, 0.1, found, {.budget = few.budget}); });
+    EXPECT_EQ(found.offsets, of_first);
+    EXPECT_EQ(found.contacts.size(), of_first.back());
+  }
   heap.scene.contacts({}, 0.1, found);
   EXPECT_EQ(found.offsets, std::vector<std::size_t>{0});
   EXPECT_TRUE(found.contacts.empty());

@@ -55,7 +55,7 @@ def sweep(
     size = _core.Batch(a, b, poses_a, poses_b).size
     count = 1 if size is None else size
     asked.check(a, b)
-    meshes, placed_a, placed_b = Meshes([a, b]), Poses(poses_a), Poses(poses_b)
+    meshes, placed_a, placed_b = Meshes([a, b], "a", "b"), Poses(poses_a), Poses(poses_b)
     request = Request(
         kind="sweep",
         query=asked,
@@ -104,7 +104,7 @@ def track(
     if size is not None and size != len(listed):
         raise ValueError(f"frames: there are {len(listed)}, and {size} poses; expected as many, or one pose")
     asked.check(model, other)
-    meshes, placed, placed_other = Meshes([model, other]), Poses(poses), Poses(poses_other)
+    meshes, placed, placed_other = Meshes([model, other], "model", "other"), Poses(poses), Poses(poses_other)
     request = Request(
         kind="track",
         query=asked,

@@ -138,13 +138,14 @@ class Frames:
 class Meshes:
     """The meshes of models, each once however many models have it."""
 
-    def __init__(self, models: Sequence[_core.Model]) -> None:
+    def __init__(self, models: Sequence[_core.Model], *names: str) -> None:
         self.digests: list[str] = []  # by model
         self._meshes: dict[str, tuple[FloatArray, IdArray]] = {}
         seen: dict[int, str] = {}
-        for model in models:
+        for i, model in enumerate(models):
             if not hasattr(model, "vertices"):
-                raise TypeError(f"a batch of files takes Models; got {type(model).__name__}: ask distance_many() and its like")
+                name, kind = names[i] if names else f"models[{i}]", type(model).__name__
+                raise TypeError(f"{name}: a batch of files takes a Model; got {kind}: ask distance_many() and its like")
             if id(model) not in seen:
                 mesh = model.vertices, model.faces
                 seen[id(model)] = digest_of(mesh)
