@@ -113,7 +113,7 @@ void Cut::add(const Triangle& y, pair::Side s) {
     is_shared_ = is_shared_ || (to_t == 0 && to_x == 0);
   }
   if (side * last_side >= 0) return;
-  Crosser& crosser = crossers_.emplace_back();
+  Crosser crosser;
   crosser.triangle = y, crosser.surface = s, crosser.step = side;
   const std::array<Height, 3> over_t = heights_of(y, t_), over_x = heights_of(y, x_);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -127,6 +127,7 @@ void Cut::add(const Triangle& y, pair::Side s) {
   const double size = std::abs(first.value) + std::abs(last.value), error = first.error + last.error;
   crosser.place = {std::abs(first.value) / size, error / (size - error) + 0x1p-48};
   if (!(size > 2 * error && std::isfinite(size))) crosser.place = {0, 2};  // anywhere
+  crossers_.insert(crosser);
 }
 
 bool Cut::Crosser::is_pierced(int side_of_t, int side_of_x) const {
@@ -152,14 +153,6 @@ int Cut::compare(const Crosser& x, const Crosser& y) const {
   return &x == &y ? 0 : point_of(x).compare(point_of(y), axis_);
 }
 
-void Cut::sort() {
-  std::sort(crossers_.begin(), crossers_.end(), [&](const Crosser& x, const Crosser& y) { return compare(x, y) < 0; });
-  group_ends_.clear();
-  for (std::size_t i = 1; i <= crossers_.size(); ++i) {
-    if (i == crossers_.size() || compare(crossers_[i - 1], crossers_[i]) != 0) group_ends_.push_back(i);
-  }
-}
-
 WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {
   const PlaneSides sides(x_.v0, x_.v1, x_.v2);
   std::size_t corner = 0;
@@ -168,26 +161,23 @@ WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {
 }
 
 void Cut::follow(Cells& cells, WindingNumbers numbers, int side_of_t, int side_of_x) const {
-  if (cells.is_stopped()) return;
-  cells.note_found(numbers);
   std::size_t i = 0;
-  for (const std::size_t end : group_ends_) {
-    for (; i < end; ++i) {
-      const Crosser& c = crossers_[i];
-      if (c.is_pierced(side_of_t, side_of_x)) numbers[pair::index(c.surface)] += c.step;
-    }
-    cells.note_found(numbers);
+  const Crosser* last = nullptr;
+  for (const Crosser& c : crossers_) {
+    if (cells.meter.is_spent_at(++i)) return;
+    if (last == nullptr || compare(*last, c) != 0) cells.note_found(numbers);
+    if (c.is_pierced(side_of_t, side_of_x)) numbers[pair::index(c.surface)] += c.step;
+    last = &c;
   }
+  if (!cells.is_stopped()) cells.note_found(numbers);
 }
 
 void Cut::look(Cells& cells, int side_of_t) {
-  sort();
   for (const int side_of_x : {1, -1}) follow(cells, begin(cells, side_of_t, side_of_x), side_of_t, side_of_x);
 }
 
 void Cut::look_everywhere(Cells& cells) {
   LIMBER_ASSERT(!is_shared());
-  sort();
   const WindingNumbers in_front = begin(cells, 1, 1);
   for (const int side_of_t : {1, -1}) {
     for (const int side_of_x : {1, -1}) {

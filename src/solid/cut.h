@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "limber/geometry.h"
@@ -26,6 +27,8 @@ class Cut {
  public:
   /// Of triangles of the surfaces `of_t` and `of_x`. Pre: both have an area and are not in parallel planes.
   Cut(const Triangle& t, pair::Side of_t, const Triangle& x, pair::Side of_x);
+  Cut(const Cut&) = delete;
+  Cut& operator=(const Cut&) = delete;
 
   /// Whether the triangles have more than a point in common.
   bool is_segment() const { return !ends_.empty(); }
@@ -58,8 +61,11 @@ class Cut {
 
   /// Which of two is crossed first: -1 for x, 0 if both are crossed in one point.
   int compare(const Crosser& x, const Crosser& y) const;
+  struct Before {
+    const Cut& cut;
+    bool operator()(const Crosser& x, const Crosser& y) const { return cut.compare(x, y) < 0; }
+  };
   const ExactPoint& point_of(const Crosser& x) const;
-  void sort();
   WindingNumbers begin(Cells& cells, int side_of_t, int side_of_x) const;
   void follow(Cells& cells, WindingNumbers numbers, int side_of_t, int side_of_x) const;
 
@@ -68,8 +74,7 @@ class Cut {
   IntegerVec along_;                        // from the first to the last
   std::size_t axis_ = 0;                    // along which they differ
   WindingNumbers behind_t_{}, behind_x_{};  // what numbers behind them, and behind copies of them, have more
-  std::vector<Crosser> crossers_;
-  std::vector<std::size_t> group_ends_;  // of those that are crossed in one point
+  std::multiset<Crosser, Before> crossers_{Before{*this}};
   bool is_shared_ = false;
 };
 
