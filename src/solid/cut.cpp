@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Based on  Symbolic perturbation [EdelsbrunnerMuecke1990], as in probe.h, of a line instead of a point.
-// Differs   The line is where two planes meet, so sides of edges are signs of determinants of heights over these.
+// Differs   The line is where two planes meet. The side on which it passes an edge is the sign of a determinant of four
+//           heights: of both ends of the edge, over both planes.
 #include "solid/cut.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ namespace {
 using geometry::next_corner;
 using geometry::PlaneSides;
 
-/// The points in which the edges of t cross a plane. An edge in the plane has its ends.
+/// The points in which the border of t crosses a plane; of an edge that lies in the plane, its ends.
 std::vector<ExactPoint> edge_crossings(const Triangle& t, const Triangle& plane, int unit) {
   const PlaneSides sides(plane.v0, plane.v1, plane.v2);
   std::vector<ExactPoint> points;
@@ -63,7 +64,7 @@ int compare_heights(const Vec3& p, const Height& of_p, const Vec3& q, const Heig
   });
 }
 
-/// On which side the line of the planes of t and x passes the one from p to q.
+/// On which side of the line from p to q the line passes in which the planes of t and x meet.
 int side_of_pass(const Vec3& p, const Height& p_over_t, const Height& p_over_x, const Vec3& q, const Height& q_over_t,
                  const Height& q_over_x, const Triangle& t, const Triangle& x) {
   const Estimate left = p_over_t.estimate * q_over_x.estimate, right = q_over_t.estimate * p_over_x.estimate;
@@ -126,7 +127,7 @@ void Cut::add(const Triangle& y, pair::Side s) {
   const Estimate first = ends_[0].height_estimate(y), last = ends_[1].height_estimate(y);
   const double size = std::abs(first.value) + std::abs(last.value), error = first.error + last.error;
   crosser.place = {std::abs(first.value) / size, error / (size - error) + 0x1p-48};
-  if (!(size > 2 * error && std::isfinite(size))) crosser.place = {0, 2};  // anywhere
+  if (!(size > 2 * error && std::isfinite(size))) crosser.place = {0, 2};  // anywhere on the segment
   crossers_.insert(crosser);
 }
 
