@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/check.h"
@@ -128,7 +129,8 @@ void Cut::add(const Triangle& y, pair::Side s) {
   const double size = std::abs(first.value) + std::abs(last.value), error = first.error + last.error;
   crosser.place = {std::abs(first.value) / size, error / (size - error) + 0x1p-48};
   if (!(size > 2 * error && std::isfinite(size))) crosser.place = {0, 2};  // anywhere on the segment
-  crossers_.insert(crosser);
+  const auto added = crossers_.insert(std::move(crosser));
+  added->is_with_last = added != crossers_.begin() && compare(*std::prev(added), *added) == 0;
 }
 
 bool Cut::Crosser::is_pierced(int side_of_t, int side_of_x) const {
@@ -163,12 +165,10 @@ WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {
 
 void Cut::follow(Cells& cells, WindingNumbers numbers, int side_of_t, int side_of_x) const {
   std::size_t i = 0;
-  const Crosser* last = nullptr;
   for (const Crosser& c : crossers_) {
     if (cells.meter.is_spent_at(++i)) return;
-    if (last == nullptr || compare(*last, c) != 0) cells.note_found(numbers);
+    if (!c.is_with_last) cells.note_found(numbers);
     if (c.is_pierced(side_of_t, side_of_x)) numbers[pair::index(c.surface)] += c.step;
-    last = &c;
   }
   if (!cells.is_stopped()) cells.note_found(numbers);
 }

@@ -56,6 +56,7 @@ class Cut {
     std::array<std::array<int, 3>, 3> passes{};
     Estimate place{};                           // of the crossing, as a part of the segment
     mutable std::optional<ExactPoint> point{};  // the crossing, once it is needed
+    mutable bool is_with_last = false;          // whether one before it is crossed in the same point
 
     /// Whether the line in a wedge pierces it: it passes all three edges on the same side.
     bool is_pierced(int side_of_t, int side_of_x) const;
