@@ -55,4 +55,8 @@ inline bool has_its_surface(const Body& body) {
   return id == 0 || id == Access::impl(body.model()).surface_id;
 }
 
+/// Throws std::invalid_argument, "place: name ...", unless a query may ask about a model: it is committed, still has
+/// the surface that was found to be closed, and its pose is rigid.
+void require_ready(const Placed& placed, const char* place, const char* name);
+
 }  // namespace limber

@@ -11,7 +11,6 @@
 #include "base/rounding.h"
 #include "bvh/root_bounds.h"
 #include "geometry/local_frame.h"
-#include "geometry/rigid.h"
 #include "model/model_impl.h"
 
 namespace limber::pair {
@@ -24,20 +23,7 @@ constexpr double small_slack = 1. / 16;
 
 PlacedPair::PlacedPair(const Placed& a, const Placed& b)
     : is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {
-  LIMBER_REQUIRE(a.model().is_committed(),
-                 "limber: a query needs committed models; model a has moves without a commit(), "
-                 "or has been moved from");
-  LIMBER_REQUIRE(b.model().is_committed(),
-                 "limber: a query needs committed models; model b has moves without a commit(), "
-                 "or has been moved from");
-  LIMBER_REQUIRE(has_its_surface(a.body()),
-                 "limber: model a of a query was reset() after it was made a solid, so ClosedSurface::create() must "
-                 "check it again");
-  LIMBER_REQUIRE(has_its_surface(b.body()),
-                 "limber: model b of a query was reset() after it was made a solid, so ClosedSurface::create() must "
-                 "check it again");
-  geometry::require_rigid(a.pose, "limber: the pose of model a");
-  geometry::require_rigid(b.pose, "limber: the pose of model b");
+  require_ready(a, "limber", "model a of a query"), require_ready(b, "limber", "model b of a query");
   const Model::Impl &model_a = Access::impl(a.model()), &model_b = Access::impl(b.model());
   sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
   sides_[1] = {&model_b.tree, model_b.mesh, b.pose};

@@ -27,13 +27,7 @@ void store(const Vec3& v, double (&to)[3]) {
 }
 
 const Model::Impl& checked(const Placed& placed) {
-  LIMBER_REQUIRE(placed.model().is_committed(),
-                 "limber: a query needs a committed model; this one has moves without a commit(), "
-                 "or has been moved from");
-  LIMBER_REQUIRE(has_its_surface(placed.body()),
-                 "limber: the model of a query was reset() after it was made a solid, so ClosedSurface::create() must "
-                 "check it again");
-  geometry::require_rigid(placed.pose, "limber: the pose of the model");
+  require_ready(placed, "limber", "the model of a query");
   return Access::impl(placed.model());
 }
 

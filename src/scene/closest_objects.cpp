@@ -217,7 +217,7 @@ ClosestObjectResult Scene::closest_object(const Placed& model, const ClosestObje
   const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
                                 options.budget};
   base::check_options(of_pair, "limber::Scene::closest_object");
-  scene::check_placed(model, "limber::Scene::closest_object");
+  require_ready(model, "limber::Scene::closest_object", "the model");
   ClosestSearch search(scene, of_pair, nullptr, scene::pairs_per_task);
   const ClosestObjectsResult found = search.next_to(model, options.filter);
   return {found.objects.b, found.result};

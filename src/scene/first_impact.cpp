@@ -104,7 +104,7 @@ ObjectImpactResult ImpactSearch::run() {
     begin_ = piece * duration;
     if (begin_ > of_pair_.max_time) break;
     const Placed there(body_, path_.pose(std::min(begin_ + 0.5 * duration, 1.0)));
-    scene::check_placed(there, time_of_impact_name);
+    require_ready(there, time_of_impact_name, "the model");
     find_near(scene::world_bounds(local, there.pose), reach);
     for (const Near& object : near_) {
       ask(object.id);
@@ -119,7 +119,7 @@ ObjectImpactResult ImpactSearch::run() {
 void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions& options) {
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::time_of_impact: objects or models have changed since the last commit");
-  scene::check_placed(Placed(body), time_of_impact_name);
+  require_ready(Placed(body), time_of_impact_name, "the model");
   path::check_options({options.max_time, options.min_separation, options.distance_error}, time_of_impact_name);
 }
 

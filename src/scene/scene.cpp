@@ -36,7 +36,7 @@ Scene::Impl& Scene::impl(const char* function) { return const_cast<Impl&>(std::a
 ObjectId Scene::add(const Placed& object) {
   const base::DefaultFloatEnvironment environment;
   Impl& scene = impl("add");
-  scene::check_placed(object, "limber::Scene::add");
+  require_ready(object, "limber::Scene::add", "the model");
   if (!scene.free_ids.empty()) {
     const ObjectId id = scene.free_ids.back();
     scene.objects[id] = {object};
@@ -177,14 +177,6 @@ PairCount Scene::candidate_pairs(double margin, std::span<ObjectPair> pairs, con
   return visit_candidate_pairs(margin, write, options);
 }
 
-void scene::check_placed(const Placed& model, const char* function) {
-  const auto text = [&](const char* what) { return std::string(function) + ": " + what; };
-  LIMBER_REQUIRE(model.model().is_committed(),
-                 text("the model has moves that are not committed, or has been moved from").c_str());
-  LIMBER_REQUIRE(has_its_surface(model.body()), text("the model was reset() after it was made a solid").c_str());
-  if (!geometry::is_rigid(model.pose)) geometry::throw_not_rigid(model.pose, text("the pose"));
-}
-
 PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisitor visit,
                                   const CandidateOptions& options) const {
   const base::DefaultFloatEnvironment environment;
@@ -192,7 +184,7 @@ PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisi
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::visit_candidates: objects or models have changed since the last commit");
   base::check_margin(margin, "limber::Scene::visit_candidates");
-  scene::check_placed(model, "limber::Scene::visit_candidates");
+  require_ready(model, "limber::Scene::visit_candidates", "the model");
   const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.body()), model.pose);
   PairCount found;
   found.is_complete = scene.tree.visit_near(bounds, scene::margin_with_error(margin), [&](std::uint32_t rank) {

@@ -26,9 +26,6 @@ ClosestObjectsResult find_closest(const Scene::Impl& scene, const ClosestObjects
 AnyWithinResult find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
                                 std::size_t grain);
 
-/// Throws   std::invalid_argument, naming the function, unless a model may be asked about where it is placed.
-void check_placed(const Placed& model, const char* function);
-
 /// Whether a budget ends all queries that share it, not one of them alone.
 inline bool ends_all(StoppedBy stopped_by) {
   return stopped_by == StoppedBy::deadline || stopped_by == StoppedBy::cancel;

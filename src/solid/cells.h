@@ -75,7 +75,7 @@ class Cells {
     std::size_t count = 0;
     point::visit_crossed(model, *ray, meter.stats, [&](const Triangle& t) {
       number += winding_along(probe, t);
-      return !meter.is_spent_at(++count);
+      return !meter.is_spent_at(4 * ++count);
     });
     return number;
   }

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Based on  Symbolic perturbation [EdelsbrunnerMuecke1990], as in probe.h, of a line instead of a point.
-// Differs   The line is where two planes meet, so sides of edges are signs of determinants of heights over these.
+// Differs   The line is where two planes meet. The side on which it passes an edge is the sign of a determinant of four
+//           heights: of both ends of the edge, over both planes.
 #include "solid/cut.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/check.h"
@@ -19,7 +21,7 @@ namespace {
 using geometry::next_corner;
 using geometry::PlaneSides;
 
-/// The points in which the edges of t cross a plane. An edge in the plane has its ends.
+/// The points in which the border of t crosses a plane; of an edge that lies in the plane, its ends.
 std::vector<ExactPoint> edge_crossings(const Triangle& t, const Triangle& plane, int unit) {
   const PlaneSides sides(plane.v0, plane.v1, plane.v2);
   std::vector<ExactPoint> points;
@@ -63,7 +65,7 @@ int compare_heights(const Vec3& p, const Height& of_p, const Vec3& q, const Heig
   });
 }
 
-/// On which side the line of the planes of t and x passes the one from p to q.
+/// On which side of the line from p to q the line passes in which the planes of t and x meet.
 int side_of_pass(const Vec3& p, const Height& p_over_t, const Height& p_over_x, const Vec3& q, const Height& q_over_t,
                  const Height& q_over_x, const Triangle& t, const Triangle& x) {
   const Estimate left = p_over_t.estimate * q_over_x.estimate, right = q_over_t.estimate * p_over_x.estimate;
@@ -113,7 +115,7 @@ void Cut::add(const Triangle& y, pair::Side s) {
     is_shared_ = is_shared_ || (to_t == 0 && to_x == 0);
   }
   if (side * last_side >= 0) return;
-  Crosser& crosser = crossers_.emplace_back();
+  Crosser crosser;
   crosser.triangle = y, crosser.surface = s, crosser.step = side;
   const std::array<Height, 3> over_t = heights_of(y, t_), over_x = heights_of(y, x_);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -126,7 +128,9 @@ void Cut::add(const Triangle& y, pair::Side s) {
   const Estimate first = ends_[0].height_estimate(y), last = ends_[1].height_estimate(y);
   const double size = std::abs(first.value) + std::abs(last.value), error = first.error + last.error;
   crosser.place = {std::abs(first.value) / size, error / (size - error) + 0x1p-48};
-  if (!(size > 2 * error && std::isfinite(size))) crosser.place = {0, 2};  // anywhere
+  if (!(size > 2 * error && std::isfinite(size))) crosser.place = {0, 2};  // anywhere on the segment
+  const auto added = crossers_.insert(std::move(crosser));
+  added->is_with_last = added != crossers_.begin() && compare(*std::prev(added), *added) == 0;
 }
 
 bool Cut::Crosser::is_pierced(int side_of_t, int side_of_x) const {
@@ -152,14 +156,6 @@ int Cut::compare(const Crosser& x, const Crosser& y) const {
   return &x == &y ? 0 : point_of(x).compare(point_of(y), axis_);
 }
 
-void Cut::sort() {
-  std::sort(crossers_.begin(), crossers_.end(), [&](const Crosser& x, const Crosser& y) { return compare(x, y) < 0; });
-  group_ends_.clear();
-  for (std::size_t i = 1; i <= crossers_.size(); ++i) {
-    if (i == crossers_.size() || compare(crossers_[i - 1], crossers_[i]) != 0) group_ends_.push_back(i);
-  }
-}
-
 WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {
   const PlaneSides sides(x_.v0, x_.v1, x_.v2);
   std::size_t corner = 0;
@@ -168,26 +164,21 @@ WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {
 }
 
 void Cut::follow(Cells& cells, WindingNumbers numbers, int side_of_t, int side_of_x) const {
-  if (cells.is_stopped()) return;
-  cells.note_found(numbers);
   std::size_t i = 0;
-  for (const std::size_t end : group_ends_) {
-    for (; i < end; ++i) {
-      const Crosser& c = crossers_[i];
-      if (c.is_pierced(side_of_t, side_of_x)) numbers[pair::index(c.surface)] += c.step;
-    }
-    cells.note_found(numbers);
+  for (const Crosser& c : crossers_) {
+    if (cells.meter.is_spent_at(++i)) return;
+    if (!c.is_with_last) cells.note_found(numbers);
+    if (c.is_pierced(side_of_t, side_of_x)) numbers[pair::index(c.surface)] += c.step;
   }
+  if (!cells.is_stopped()) cells.note_found(numbers);
 }
 
 void Cut::look(Cells& cells, int side_of_t) {
-  sort();
   for (const int side_of_x : {1, -1}) follow(cells, begin(cells, side_of_t, side_of_x), side_of_t, side_of_x);
 }
 
 void Cut::look_everywhere(Cells& cells) {
   LIMBER_ASSERT(!is_shared());
-  sort();
   const WindingNumbers in_front = begin(cells, 1, 1);
   for (const int side_of_t : {1, -1}) {
     for (const int side_of_x : {1, -1}) {

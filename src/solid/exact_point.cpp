@@ -39,6 +39,8 @@ IntegerVec normal_of(const Triangle& t, int unit) {
   return {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
 }
 
+int compare_doubles(double x, double y) { return (x > y ? 1 : 0) - (x < y ? 1 : 0); }
+
 /// n / d * 2^unit, up to a part of 2^-52 of it, or the smallest double. Pre: d > 0.
 double quotient(const Integer& n, const Integer& d, int unit) {
   if (n.is_zero()) return 0;
@@ -171,14 +173,23 @@ IntegerVec direction(const ExactPoint& from, const ExactPoint& to) {
 
 int side_of_direction(const Vec3& a, const Vec3& b, const IntegerVec& direction, std::size_t axis) {
   LIMBER_ASSERT(axis < 3);
-  const int unit = CommonUnit().include(a).include(b).exponent();
   const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+  const int left = compare_doubles(b[i], a[i]) * direction[j].sign();
+  const int right = compare_doubles(b[j], a[j]) * direction[i].sign();
+  if (left != right || left == 0) return compare_doubles(left, right);
+  const int unit = CommonUnit().include(a).include(b).exponent();
   const IntegerVec along = minus(whole(b, unit), whole(a, unit));
   const Integer det = along[i] * direction[j] - along[j] * direction[i];
   return det.sign();
 }
 
 int side_of_direction(const Triangle& t, const IntegerVec& direction) {
+  int least = 0, most = 0;  // signs of the terms of the inner product
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int sign = direction[k].is_zero() ? 0 : geometry::orient2d(t.v0, t.v1, t.v2, k) * direction[k].sign();
+    least = std::min(least, sign), most = std::max(most, sign);
+  }
+  if (least == 0 || most == 0) return least + most;
   return dot_of(normal_of(t, CommonUnit().include(t).exponent()), direction).sign();
 }
 

@@ -56,7 +56,8 @@ Sides sides_of(const Triangle& other, const Triangle& t) {
   return sides;
 }
 
-/// The facets that each facet meets, in no order, of both surfaces and between them. Incomplete if the budget is spent.
+/// The facets that each facet meets, of both surfaces and between them, in their order. Incomplete if the budget is
+/// spent.
 mesh::VertexLists<Meeting> meetings_of(Cells& cells, const std::deque<TrianglePair>& contacts, FacetId count_of_a,
                                        FacetId count) {
   std::deque<TrianglePair> of_one[2];
@@ -64,28 +65,39 @@ mesh::VertexLists<Meeting> meetings_of(Cells& cells, const std::deque<TrianglePa
     const auto add = [&](const TrianglePair& p) { return of_one[pair::index(s)].push_back(p), true; };
     cells.meter.stop(pair::visit_placed_self_intersections(cells.placed(s), add, cells.budget, cells.meter.stats));
   }
-  return {count, [&](const auto& add_item) {
-            const auto add = [&](const std::deque<TrianglePair>& pairs, FacetId first, FacetId first_other) {
-              for (std::size_t i = 0; i < pairs.size() && !cells.meter.is_spent_at(i); ++i) {
-                const FacetId f = first + pairs[i].a, other = first_other + pairs[i].b;
-                add_item(static_cast<VertexId>(f), {other, 0}), add_item(static_cast<VertexId>(other), {f, 0});
-              }
-            };
-            add(contacts, 0, count_of_a), add(of_one[0], 0, 0), add(of_one[1], count_of_a, count_of_a);
-          }};
+  using Lists = mesh::VertexLists<Meeting>;
+  const Lists unordered(count, [&](const auto& add_item) {
+    const auto add = [&](const std::deque<TrianglePair>& pairs, FacetId first, FacetId first_other) {
+      for (std::size_t i = 0; i < pairs.size() && !cells.meter.is_spent_at(i); ++i) {
+        const FacetId f = first + pairs[i].a, other = first_other + pairs[i].b;
+        add_item(f, {other, 0}), add_item(other, {f, 0});
+      }
+    };
+    add(contacts, 0, count_of_a), add(of_one[0], 0, 0), add(of_one[1], count_of_a, count_of_a);
+  });
+  // Who meets f has f in its list. This takes steps that can be counted, unlike sorting.
+  return Lists(count, [&](const auto& add_item) {
+    std::size_t i = 0;
+    for (FacetId f = 0; f < count && !cells.meter.is_spent_at(f); ++f) {
+      for (const Meeting& m : unordered.of(f)) {
+        if (cells.meter.is_spent_at(++i)) return;
+        add_item(m.other, {f, 0});
+      }
+    }
+  });
 }
 
 }  // namespace
 
 Shells::Shells(Cells& cells, const std::deque<TrianglePair>& contacts)
     : cells_(cells),
-      count_of_a_(cells.model(pair::Side::a).mesh().triangles.size()),
-      count_(count_of_a_ + cells.model(pair::Side::b).mesh().triangles.size()),
+      count_of_a_(static_cast<FacetId>(cells.model(pair::Side::a).mesh().triangles.size())),
+      count_(count_of_a_ + static_cast<FacetId>(cells.model(pair::Side::b).mesh().triangles.size())),
       meetings_(meetings_of(cells, contacts, count_of_a_, count_)),
       is_degenerate_(count_),
       is_copy_(count_),
       cut_halves_(count_),
-      shells_(2 * count_, cells.meter) {}
+      shells_(std::size_t{2} * count_, cells.meter) {}
 
 Triangle Shells::triangle(FacetId f) const {
   LIMBER_ASSERT(f < count_);
@@ -94,7 +106,7 @@ Triangle Shells::triangle(FacetId f) const {
 }
 
 Sides Shells::sides_between(FacetId f, FacetId other) const {
-  const std::span<const Meeting> meetings = meetings_.of(static_cast<VertexId>(f));
+  const std::span<const Meeting> meetings = meetings_.of(f);
   const auto found = std::ranges::lower_bound(meetings, other, {}, &Meeting::other);
   return found == meetings.end() || found->other != other ? Sides{0} : found->sides;
 }
@@ -106,9 +118,8 @@ void Shells::find_sides() {
   }
   std::size_t i = 0;
   for (FacetId f = 0; f < count_; ++f) {
-    const std::span<Meeting> meetings = meetings_.of(static_cast<VertexId>(f));
+    const std::span<Meeting> meetings = meetings_.of(f);
     if (cells_.meter.is_spent_at(f)) return;
-    std::ranges::sort(meetings, {}, &Meeting::other);
     for (Meeting& m : meetings) {
       if (cells_.meter.is_spent_at(++i)) return;
       // A triangle without area keeps no cells apart.
@@ -123,7 +134,9 @@ void Shells::find_sides() {
 }
 
 bool Shells::cuts_wedge(FacetId f, FacetId neighbor, Sides half, bool is_convex, const Segment& edge) const {
-  for (const Meeting& m : meetings_.of(static_cast<VertexId>(f))) {
+  std::size_t i = 0;
+  for (const Meeting& m : meetings_.of(f)) {
+    if (cells_.meter.is_spent_at(++i)) return true;
     const bool is_there = (m.sides & half) != 0, is_at_neighbor = (sides_between(neighbor, m.other) & half) != 0;
     if (is_convex ? !(is_there && is_at_neighbor) : !(is_there || is_at_neighbor)) continue;
     const Triangle t = triangle(m.other);
@@ -135,8 +148,10 @@ bool Shells::cuts_wedge(FacetId f, FacetId neighbor, Sides half, bool is_convex,
 
 void Shells::join_neighbors(pair::Side s, FacetId first) {
   const MeshView& mesh = cells_.model(s).mesh();
+  std::size_t i = 0;
   const auto join = [&](VertexId, std::span<const mesh::TriangleSide> sides) {
     LIMBER_ASSERT(sides.size() == 2);
+    if (cells_.meter.is_spent_at(4 * ++i)) return;
     const FacetId f = first + sides[0].triangle, neighbor = first + sides[1].triangle;
     if (is_degenerate_[f] || is_degenerate_[neighbor]) return;
     const Triangle t = triangle(f);
@@ -153,12 +168,11 @@ void Shells::join_neighbors(pair::Side s, FacetId first) {
       if (((cut_halves_[f] | cut_halves_[neighbor]) & half) != 0) continue;
       const bool is_convex = side == (half == in_front ? 1 : -1);
       if (cuts_wedge(f, neighbor, half, is_convex, edge)) continue;
-      const std::size_t back = half == in_front ? 0 : 1;
-      shells_.unite(2 * f + back, 2 * neighbor + back);
+      shells_.unite(half_facet(f, half), half_facet(neighbor, half));
     }
   };
   mesh::for_each_edge(mesh.triangles, mesh.positions.size(), join,
-                      [&](std::size_t i) { return !cells_.meter.is_spent_at(i); });
+                      [&](std::size_t k) { return !cells_.meter.is_spent_at(k); });
 }
 
 void Shells::look() {
@@ -168,7 +182,7 @@ void Shells::look() {
   for (FacetId f = 0; f < count_ && !cells_.are_all_known() && !cells_.meter.is_spent_at(f); ++f) {
     if (is_degenerate_[f]) continue;
     for (const Sides half : {in_front, behind}) {
-      const std::size_t i = 2 * f + (half == in_front ? 0 : 1);
+      const std::size_t i = half_facet(f, half);
       // Of a half-facet that is cut, it finds the piece at a corner, where no cut begins if others only touch.
       if ((cut_halves_[f] & half) == 0 && shells_.find(i) != i) continue;
       const Triangle t = triangle(f);
@@ -181,7 +195,7 @@ void Shells::look() {
 }
 
 void Shells::look_into_pieces(FacetId f) {
-  for (const Meeting& m : meetings_.of(static_cast<VertexId>(f))) {
+  for (const Meeting& m : meetings_.of(f)) {
     if (cells_.are_all_known() || cells_.meter.is_spent()) return;
     if ((m.sides & across) != 0 && !is_copy_[m.other]) look_along_cut(f, m);
   }
@@ -203,8 +217,8 @@ void Shells::look_along_cut(FacetId f, const Meeting& cutter) {
 }
 
 void Shells::add_crossers(Cut& cut, FacetId f, FacetId other) const {
-  std::span<const Meeting> few = meetings_.of(static_cast<VertexId>(f));
-  std::span<const Meeting> many = meetings_.of(static_cast<VertexId>(other));
+  std::span<const Meeting> few = meetings_.of(f);
+  std::span<const Meeting> many = meetings_.of(other);
   if (few.size() > many.size()) std::swap(few, many);
   auto next = many.begin();
   for (const Meeting& m : few) {

@@ -16,7 +16,7 @@
 namespace limber::solid {
 
 /// A triangle of either surface: those of a are numbered first.
-using FacetId = std::size_t;
+using FacetId = VertexId;
 
 /// How a facet lies to another one, as bits.
 using Sides = std::uint8_t;
@@ -46,6 +46,8 @@ class Shells {
  private:
   pair::Side side_of(FacetId f) const { return f < count_of_a_ ? pair::Side::a : pair::Side::b; }
   Triangle triangle(FacetId f) const;
+  /// Its number among all half-facets: those of f come one after the other, first its front.
+  static std::size_t half_facet(FacetId f, Sides half) { return std::size_t{2} * f + (half == in_front ? 0 : 1); }
   /// The sides of `f` where `other` is; 0 if they do not meet.
   Sides sides_between(FacetId f, FacetId other) const;
 
@@ -60,11 +62,11 @@ class Shells {
 
   Cells& cells_;
   FacetId count_of_a_, count_;
-  mesh::VertexLists<Meeting> meetings_;  // of each facet, sorted
+  mesh::VertexLists<Meeting> meetings_;  // of each facet, in the order of the others
   std::vector<bool> is_degenerate_;      // for each facet
   std::vector<bool> is_copy_;            // for each facet: whether one with the same corners comes before it
   std::vector<Sides> cut_halves_;        // for each facet: its half-facets that others cross
-  DisjointSets shells_;                  // of half-facets: 2 f, and 2 f + 1 for the back
+  DisjointSets shells_;                  // of half-facets
 };
 
 }  // namespace limber::solid

@@ -220,7 +220,7 @@ TEST(SceneImpact, RefusesWhatItCannotAnswer) {
       [&] {
         static_cast<void>(row.scene.time_of_impact(point, RigidPath{skewed, 1}));
       },
-      {name, "the pose is not rigid: it scales by"}));
+      {name, "the pose of the model is not rigid: it scales by"}));
   const auto still = [](double) { return Transform{}; };
   EXPECT_TRUE(is_refused(
       [&] {

@@ -20,18 +20,13 @@
 #include "scenes/scenes.h"
 #include "solid/exact_point.h"
 #include "support/random_geometry.h"
+#include "support/random_solids.h"
 #include "support/rational_winding.h"
 #include "unit/exhaustive_relation.h"
 #include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
-
-Mesh inside_out(const Mesh& mesh) {
-  std::vector<Corners> triangles = mesh.triangles();
-  for (Corners& c : triangles) std::swap(c[1], c[2]);
-  return Mesh::create(mesh.positions(), std::move(triangles)).value();
-}
 
 SolidRelation reversed(SolidRelation r) {
   if (r == SolidRelation::a_inside_b) return SolidRelation::b_inside_a;
@@ -48,7 +43,7 @@ SolidRelationResult relation_of(const Mesh& a, const Mesh& b, const Transform& p
 void expect(const Mesh& a, const Mesh& b, SolidRelation relation, bool surfaces_meet, const std::string& what) {
   for (const bool is_a_turned : {false, true}) {
     for (const bool is_b_turned : {false, true}) {
-      const Mesh of_a = is_a_turned ? inside_out(a) : a, of_b = is_b_turned ? inside_out(b) : b;
+      const Mesh of_a = is_a_turned ? turned_inside_out(a) : a, of_b = is_b_turned ? turned_inside_out(b) : b;
       const SolidRelationResult found = relation_of(of_a, of_b);
       EXPECT_EQ(found.relation, relation) << what;
       EXPECT_EQ(found.witness.has_value(), surfaces_meet) << what;
@@ -134,7 +129,7 @@ TEST(SolidRelation, OfCornersAndEdgesOnFaces) {
 }
 
 TEST(SolidRelation, OfCavitiesAndNotches) {
-  const Mesh hollow = joined(box_mesh({0, 0, 0}, {4, 4, 4}), inside_out(box_mesh({1, 1, 1}, {3, 3, 3})));
+  const Mesh hollow = joined(box_mesh({0, 0, 0}, {4, 4, 4}), turned_inside_out(box_mesh({1, 1, 1}, {3, 3, 3})));
   expect(hollow, box_mesh({1, 1, 1}, {3, 3, 3}), SolidRelation::touching, true, "it fills the cavity");
   expect(hollow, box_mesh({1, 1, 1}, {2, 2, 2}), SolidRelation::touching, true, "in a corner of the cavity");
   expect(hollow, box_mesh({1.5, 1.5, 1.5}, {2, 2, 2}), SolidRelation::apart, false, "floating in the cavity");
@@ -183,11 +178,12 @@ TEST(SolidRelation, OfComponentsWithPartsOfManyKinds) {
   const Mesh outer = box_mesh({0, 0, 0}, {9, 9, 9}), middle = box_mesh({1, 1, 1}, {8, 8, 8});
   const Mesh low = box_mesh({3, 3, 3}, {4, 4, 4}), high = box_mesh({4, 4, 4}, {5, 5, 5});
   // Doubly inside first, then a cavity.
-  expect(joined(outer, chained(low, inside_out(high))), middle, SolidRelation::overlapping, false, "a cavity behind");
+  expect(joined(outer, chained(low, turned_inside_out(high))), middle, SolidRelation::overlapping, false,
+         "a cavity behind");
   // Nothing first, then a body.
-  const Mesh nothing = joined(inside_out(low), low);
+  const Mesh nothing = joined(turned_inside_out(low), low);
   expect(chained(nothing, high), outer, SolidRelation::a_inside_b, false, "a body behind");
-  expect(chained(nothing, high), joined(outer, inside_out(middle)), SolidRelation::apart, false, "in a cavity");
+  expect(chained(nothing, high), joined(outer, turned_inside_out(middle)), SolidRelation::apart, false, "in a cavity");
 }
 
 TEST(SolidRelation, OfSurfacesThatMeetThemselves) {
@@ -205,9 +201,9 @@ TEST(SolidRelation, OfSurfacesThatMeetThemselves) {
   // Two boxes that overlap are one solid; where a box is taken away twice, it is solid again.
   const Mesh two = joined(box_mesh({0, 0, 0}, {2, 1, 1}), box_mesh({1, 0, 0}, {3, 1, 1}));
   expect(two, box_mesh({0, 0, 0}, {3, 1, 1}), SolidRelation::equal, true, "two boxes as one");
-  const Mesh twice = joined(joined(unit_box(), inside_out(unit_box())), inside_out(unit_box()));
+  const Mesh twice = joined(joined(unit_box(), turned_inside_out(unit_box())), turned_inside_out(unit_box()));
   expect(twice, unit_box(), SolidRelation::equal, true, "taken away twice");
-  expect(joined(unit_box(), inside_out(unit_box())), unit_box(), SolidRelation::touching, true, "taken away");
+  expect(joined(unit_box(), turned_inside_out(unit_box())), unit_box(), SolidRelation::touching, true, "taken away");
 }
 
 TEST(SolidRelation, OfWallsThatStandOnEachOther) {
@@ -225,8 +221,8 @@ TEST(SolidRelation, OfWallsThatStandOnEachOther) {
   const Mesh octahedron_around = mapped(octahedron({0, 0, 0}), [](const Vec3& p) {
     return 1.5 * p + Vec3{0.5, 0.5, 0.5};
   });
-  expect(joined(burr, inside_out(box_mesh({-5, -5, -5}, {6, 6, 6}))), octahedron_around, SolidRelation::overlapping,
-         true, "the void as a solid");
+  expect(joined(burr, turned_inside_out(box_mesh({-5, -5, -5}, {6, 6, 6}))), octahedron_around,
+         SolidRelation::overlapping, true, "the void as a solid");
   expect(burr, box_mesh({0, 0, 0}, {1, 1, 1}), SolidRelation::touching, true, "it fills the void");
   expect(burr, box_mesh({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}), SolidRelation::apart, false, "in the void");
 }
@@ -422,16 +418,27 @@ Mesh grating(int m) {
   return small_mesh(positions, triangles);
 }
 
-// Four times as many crossings may take somewhat more than four times the work: a ray meets twice as many bars.
+Mesh crossing_tetrahedra(int count) {
+  Rng rng(2604);
+  const auto some = [&] { return uniform_point(rng); };
+  Mesh all = tetrahedron(some(), some(), some(), some());
+  while (--count > 0) all = joined(all, tetrahedron(some(), some(), some(), some()));
+  return all;
+}
+
+// Four times as many crossings may take somewhat more than four times the work: a ray meets twice as many bodies. A ray
+// from each point where three triangles meet takes eight times the work, or more.
 TEST(SolidRelation, TakesWorkInProportionToCrossings) {
-  std::uint64_t last = 0;
-  for (const int m : {4, 8, 16}) {
-    const Mesh bars = grating(m), floor = box_mesh({-1, -1, -1}, {m + 1.0, m + 1.0, 0});
-    const SolidRelationResult found = relation_of(bars, floor);
-    EXPECT_EQ(found.relation, SolidRelation::touching) << m;
-    const std::uint64_t work = found.stats.node_tests + found.stats.primitive_tests;
-    EXPECT_LT(work, last > 0 ? 6 * last : work + 1) << m;
-    last = work;
+  for (const bool are_bars : {true, false}) {
+    std::uint64_t last = 0;
+    for (const int m : {4, 8, 16}) {
+      const Mesh a = are_bars ? grating(m) : crossing_tetrahedra(m);
+      const SolidRelationResult found = relation_of(a, are_bars ? box_mesh({-1, -1, -1}, {m + 1.0, m + 1.0, 0}) : a);
+      EXPECT_EQ(found.relation, are_bars ? SolidRelation::touching : SolidRelation::equal) << m;
+      const std::uint64_t work = found.stats.node_tests + found.stats.primitive_tests;
+      EXPECT_LT(work, last > 0 ? 6 * last : work + 1) << m << (are_bars ? " bars" : " tetrahedra");
+      last = work;
+    }
   }
 }
 
