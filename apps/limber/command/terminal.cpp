@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <initializer_list>
 #endif
 
 namespace limber::program {
