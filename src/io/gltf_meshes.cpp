@@ -99,7 +99,7 @@ void GltfMeshes::add(const JsonItem& primitive, GltfMesh& mesh,
   const JsonItem attributes = primitive.item("attributes");
   std::vector<std::uint64_t> accessors = {attributes.whole("POSITION")};
   for (std::string set = "_0"; attributes.has(("JOINTS" + set).c_str());
-       set = "_" + std::to_string(accessors.size() / 2)) {
+       set = std::string("_") + std::to_string(accessors.size() / 2)) {
     accessors.push_back(attributes.whole(("JOINTS" + set).c_str()));
     accessors.push_back(attributes.whole(("WEIGHTS" + set).c_str()));
   }

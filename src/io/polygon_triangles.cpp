@@ -65,21 +65,33 @@ Result<std::span<const std::uint32_t>> PolygonTriangles::split(std::span<const s
   return std::span<const std::uint32_t>(triangles_);
 }
 
+bool PolygonTriangles::are_equal(std::uint32_t a, std::uint32_t b) const {
+  const Vec3 &p = positions_[face_[a]], &q = positions_[face_[b]];
+  const std::size_t u = (axis_ + 1) % 3, w = (axis_ + 2) % 3;
+  return p[u] == q[u] && p[w] == q[w];
+}
+
+bool PolygonTriangles::covers_nothing(std::uint32_t corner) const {
+  const std::uint32_t a = prev_[corner], c = next_[corner];
+  return are_equal(a, corner) || are_equal(corner, c) || are_equal(c, a);
+}
+
 bool PolygonTriangles::is_ear(std::uint32_t corner) {
+  if (covers_nothing(corner)) return true;
+  if (!is_convex_[corner]) return false;
   const std::uint32_t a = prev_[corner], b = corner, c = next_[corner];
   const Vec3 &p_a = positions_[face_[a]], &p_b = positions_[face_[b]], &p_c = positions_[face_[c]];
   const Vec3 low = min(min(p_a, p_b), p_c), high = max(max(p_a, p_b), p_c);
   const std::size_t u = (axis_ + 1) % 3, w = (axis_ + 2) % 3;
-  const auto are_equal = [&](const Vec3& p, const Vec3& q) { return p[u] == q[u] && p[w] == q[w]; };
-  if (are_equal(p_a, p_b) || are_equal(p_b, p_c) || are_equal(p_c, p_a)) return true;  // covers nothing
-  if (!is_convex_[corner]) return false;
   for (std::uint32_t d = next_[c]; d != a; d = next_[d]) {
     ++test_count_;
     const Vec3& p = positions_[face_[d]];
     if (p[u] < low[u] || p[u] > high[u] || p[w] < low[w] || p[w] > high[w]) continue;
     // Where the face comes back to a corner of the ear, it may go on inside of it.
-    const std::uint32_t same = are_equal(p, p_a) ? a : are_equal(p, p_b) ? b : are_equal(p, p_c) ? c : d;
+    const std::uint32_t same = are_equal(d, a) ? a : are_equal(d, b) ? b : are_equal(d, c) ? c : d;
     if (same != d) {
+      // Between two visits with the same edges there may be nothing of the face.
+      if (same == b && are_equal(prev_[d], c) && are_equal(next_[d], a)) return false;
       const std::uint32_t before = same == a ? c : same == b ? a : b, after = same == a ? b : same == b ? c : a;
       const auto is_between = [&](std::uint32_t q) { return turn(before, same, q) > 0 && turn(same, after, q) > 0; };
       if (is_between(prev_[d]) || is_between(next_[d])) return false;
@@ -116,7 +128,9 @@ void PolygonTriangles::cut_ears() {
     prev_[after] = before;
     is_convex_[before] = turn(prev_[before], before, after) > 0;
     is_convex_[after] = turn(before, after, next_[after]) > 0;
-    corner = next_[after];  // not the next one, so that ears are less narrow
+    // What covers nothing leaves at once, as it would look like a part of the face that goes both ways. Otherwise not
+    // the next corner, so that ears are less narrow.
+    corner = covers_nothing(before) ? before : covers_nothing(after) ? after : next_[after];
     passed = 0;
     --left;
   }

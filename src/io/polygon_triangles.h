@@ -22,8 +22,8 @@ class PolygonTriangles {
 
   /// Corners of triangles as indices into `face`, three each. A face is looked at in the coordinate plane that its
   /// normal is closest to. Where the fan of its first corner stays in the face, this is it; otherwise it is cut into
-  /// ears, decided exactly. Corners may repeat. Faces that cross themselves or have no area are cut in some way, and so
-  /// may be those that touch themselves elsewhere.
+  /// ears, decided exactly. Corners may repeat, so a face may touch itself there or go back along its edges. Faces that
+  /// cross themselves or have no area are cut in some way, and so may be those that touch themselves within an edge.
   ///
   /// Errors   `too_large` naming the face, once all faces together have taken `mesh_file_limits::corner_tests`.
   Result<std::span<const std::uint32_t>> split(std::span<const std::uint32_t> face, std::size_t number);
@@ -31,6 +31,10 @@ class PolygonTriangles {
  private:
   /// +1 where three corners turn as the face does.
   int turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
+  /// Whether two corners lie above each other.
+  bool are_equal(std::uint32_t a, std::uint32_t b) const;
+  /// Whether two corners of the triangle at a corner are equal.
+  bool covers_nothing(std::uint32_t corner) const;
   /// Whether the triangle at a corner is in the face: a convex corner, and no other corner is in it or on it.
   bool is_ear(std::uint32_t corner);
   void cut_ears();

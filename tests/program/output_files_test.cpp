@@ -133,6 +133,21 @@ TEST_F(ProgramOutputFiles, AreNotStandardOutput) {
   EXPECT_EQ(run_into("/dev/null", of_self_ + "/dev/null").exit_code, 0);
 }
 
+TEST_F(ProgramOutputFiles, AreNoInputsThatStreamsGoTo) {
+  const Folder outside;
+  const std::string err = outside.path("err"), link = folder_.path("link");
+  fs::create_hard_link(buffer_, link);
+  const auto before = files();
+  for (const std::string& line : {of_pairs_ + "-", of_points_ + "-", of_points_ + "/dev/fd/1", "info " + gltf_,
+                                  "collide scene:ball " + gltf_, "track --b scene:ball --a " + gltf_}) {
+    for (const std::string& streams : {" 2>" + err + " >>" + link, " 2>>" + link, " >>" + link + " 2>&1"}) {
+      EXPECT_EQ(run(line + streams + " #").exit_code, 2) << line << streams;
+    }
+    EXPECT_NE(text_of(err).find(buffer_ + " is one of the inputs"), std::string::npos) << line << text_of(err);
+    EXPECT_TRUE(files() == before);
+  }
+}
+
 TEST_F(ProgramOutputFiles, ThatCannotBeWrittenAreToldAtOnce) {
   for (const std::string& line :
        {of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_, of_track_report_,

@@ -208,7 +208,15 @@ void open_output(Output& output) {
 
 }  // namespace
 
-void add_input(const fs::path& path) { run_inputs.emplace(target_of(path), path.string()); }
+void add_input(const fs::path& path) {
+  const fs::path input = target_of(path);
+  // Not even the error may be added to an input.
+  const bool is_mute = overwrites(input, "/dev/stderr") && std::freopen("/dev/null", "w", stderr) != nullptr;
+  if (is_mute || overwrites(input, "/dev/stdout")) {
+    throw BadInput(fmt::format("{} is one of the inputs, and what the run writes would be added to it", path.string()));
+  }
+  run_inputs.emplace(input, path.string());
+}
 
 const std::map<fs::path, std::string>& inputs() { return run_inputs; }
 

@@ -11,6 +11,8 @@
 namespace limber::program {
 
 /// To be called for every file that the run reads, once its name is known.
+///
+/// Errors   BadInput where standard output or standard error goes to this file; nobody reads it in the latter case.
 void add_input(const std::filesystem::path& path);
 
 /// The files that were added: by path, absolute and without links, the name that came first.
