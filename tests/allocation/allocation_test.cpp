@@ -170,7 +170,10 @@ TEST(Allocation, DoesNotHappenInRealTime) {
     }
     const bool is_moved = static_cast<bool>(model.move_vertices(ids, positions));
     model.commit();
-    static_cast<void>(distance({model}, {ball, {{}, {32, 32, 30}}}, {.cache = &cache, .budget = {.max_steps = 20}}));
+    const QueryBudget time{.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(20)};
+    const QueryBudget steps{.max_steps = 20};
+    static_cast<void>(distance({model}, {ball, {{}, {32, 32, 30}}}, {.cache = &cache, .budget = steps}));
+    static_cast<void>(distance({model}, {ball, {{}, {32, 32, 1.7}}}, {.cache = &cache, .budget = time}));
     if (!is_moved || allocation_count() != before) FAIL() << frame;
   }
   EXPECT_GT(model.maintenance_stats().rebuilt_triangles, 20'000U);

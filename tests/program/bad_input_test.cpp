@@ -27,7 +27,7 @@ TEST(ProgramBadInput, VerbsAndOptions) {
   expect_all_refused(
       "", {{"",
             "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, bench, "
-            "demo, haptics, help, version"},
+            "demo, help, version"},
            {"measure", "'measure' is no verb; there are info, distance, collide, within"},
            {"--jason", "'--jason' is no option"},
            {"--json distance " + two_balls, "distance: '--json' stands before the verb"},

@@ -8,7 +8,7 @@ cmake_minimum_required(VERSION 3.25)
 
 set(folder ${SOURCE_DIR}/web/pages)
 file(GLOB_RECURSE sources RELATIVE ${folder} ${folder}/viewer/* ${folder}/report/* ${folder}/replay/*
-  ${folder}/study/* ${folder}/haptics/* ${folder}/shared/*)
+  ${folder}/study/* ${folder}/shared/*)
 list(FILTER sources INCLUDE REGEX "\\.(ts|css|html)$")
 list(APPEND sources build.mjs package-lock.json)
 list(SORT sources)

@@ -10,8 +10,8 @@
 namespace limber::program_tests {
 namespace {
 
-const Words verbs = {"info",  "distance", "collide", "within",  "contacts", "self",   "points",
-                     "track", "bench",    "demo",    "haptics", "help",     "version"};
+const Words verbs = {"info",   "distance", "collide", "within", "contacts", "self",
+                     "points", "track",    "bench",   "demo",   "help",     "version"};
 
 TEST(ProgramHelp, IsTheSameWhicheverWayItIsAskedFor) {
   const std::string help = answer_to("--help");

@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string short_loop = "haptics --tissue 1000 --tool 1000 --seconds 0.01 --jitter-seconds 0 --quiet ";
-
 /// Two models, two frames, points, poses and pairs; and lines that an output's path completes.
 class ProgramOutputFiles : public testing::Test {
  protected:
@@ -99,8 +97,8 @@ TEST_F(ProgramOutputFiles, OfEveryVerbAreNoInputs) {
 }
 
 TEST_F(ProgramOutputFiles, OfOneRunAreDifferent) {
-  const auto both = [](const std::string& out, const std::string& page) {
-    return short_loop + "--out " + out + " --report " + page;
+  const auto both = [this](const std::string& out, const std::string& page) {
+    return of_track_ + out + " --report " + page;
   };
   const std::string before = folder_.store("before.csv", "from before"), fresh = folder_.path("new.csv");
   const std::string link = folder_.path("dangling_link");
@@ -118,16 +116,15 @@ TEST_F(ProgramOutputFiles, OfOneRunAreDifferent) {
 
 TEST_F(ProgramOutputFiles, AreNotStandardOutput) {
   const std::string out = folder_.store("out", "");
-  for (const std::string& line : {of_distance_, of_contacts_, of_self_, of_track_report_,
-                                  std::string("demo --frames 1 --no-check --report "), short_loop + "--report "}) {
+  for (const std::string& line :
+       {of_distance_, of_contacts_, of_self_, of_track_report_, std::string("demo --frames 1 --no-check --report ")}) {
     SCOPED_TRACE(line);
     const Outcome outcome = run_into(out, line + out);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_NE(outcome.err.find(out + " is where another output goes"), std::string::npos) << outcome.err;
     EXPECT_EQ(text_of(out), "");
   }
-  for (const std::string& line :
-       {of_distance_, of_track_report_, std::string("demo --report "), short_loop + "--report "}) {
+  for (const std::string& line : {of_distance_, of_track_report_, std::string("demo --report ")}) {
     expect_refused(line + "-", ": must name a file");
   }
   EXPECT_EQ(run_into("/dev/null", of_self_ + "/dev/null").exit_code, 0);
@@ -149,9 +146,8 @@ TEST_F(ProgramOutputFiles, AreNoInputsThatStreamsGoTo) {
 }
 
 TEST_F(ProgramOutputFiles, ThatCannotBeWrittenAreToldAtOnce) {
-  for (const std::string& line :
-       {of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_, of_track_report_,
-        std::string("demo --report "), short_loop + "--out ", short_loop + "--report "}) {
+  for (const std::string& line : {of_pairs_, of_distance_, of_contacts_, of_self_, of_points_, of_track_,
+                                  of_track_report_, std::string("demo --report ")}) {
     expect_refused(line + folder_.path("no/such/folder"), ": cannot write ");
     expect_refused(line + folder_.path(""), ": cannot write ");
   }
@@ -235,7 +231,7 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
        {"points " + ball_ + ' ' + points + " --out " + out, "distance --pairs " + pairs_ + both,
         "distance " + ball_ + " scene:square --vertices-a " + out + " --report " + page,
         "contacts scene:ball " + ball_ + " --margin 1 --out " + out,
-        "track --loop 99 --a scene:ball --b " + ball_ + " --poses-a " + poses_ + both, short_loop + both}) {
+        "track --loop 99 --a scene:ball --b " + ball_ + " --poses-a " + poses_ + both}) {
     ASSERT_EQ(run(line).exit_code, 0) << line;
     const std::size_t line_count = lines_of(text_of(out)).size();
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {

@@ -10,7 +10,8 @@
 #: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
 #:                  what a cache saves and costs
 #: bench spikes     what moves and commits take at worst while trees stay as good as new
-#: bench haptics    the loop of limber haptics for a minute at 1 kHz and one at 5 kHz, with their histograms
+#: bench haptics    a force loop for a minute at 1 kHz and one at 5 kHz: times of ticks, missed ones, answers; --rates,
+#:                  --seconds, --tick-budget-us and --core change that
 #: bench deforming [F]  what keeping trees of deforming meshes up to date costs, next to other libraries
 #: bench contacts F  pairs of triangles that intersect or are close, and closest points, next to Embree, CGAL and
 #:                  libraries from PyPI, which go into a virtual environment below build/; F is a folder with
@@ -140,15 +141,9 @@ bench_spikes() {
 }
 
 bench_haptics() {
-  local rate
   need build io program
-  configure release -DLIMBER_BUILD_TESTS=OFF
-  build release --target limber_program
-  for rate in 1000 5000; do
-    say "one minute at $rate Hz"
-    "$root/build/release/apps/limber/limber" haptics --rate "$rate" --seconds 60 --jitter-seconds 10 \
-      --report "$root/build/haptics_$rate.html" "$@" </dev/null | tee -- "$results/haptics_$rate.txt"
-  done
+  build_benches haptics
+  run_bench haptics "$@"
 }
 
 # bench_contacts FOLDER: other libraries first, then ours, which reads their times, their answers and their meshes.

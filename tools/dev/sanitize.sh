@@ -4,8 +4,8 @@
 
 #: sanitize [args]  the tests under the address and undefined-behaviour sanitizers, then those with threads under the
 #:                  thread sanitizer; arguments go to the first ctest
-#: sanitize --quick  of the library, of files, of the program and of the haptic loop alone, with few random cases, and
-#:                  kernels for two instruction sets
+#: sanitize --quick  of the library, of files and of the program alone, with few random cases, and kernels for two
+#:                  instruction sets
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 # Queries from eight threads, updates with margins and workers beside them. Not builds: Debian's oneTBB is not
@@ -22,13 +22,12 @@ export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 # The stub of the Python package is written by Python, which cannot load a module with sanitizers by itself.
 options=(-DLIMBER_BUILD_PYTHON=OFF)
 if [[ ${1:-} == --quick ]]; then
-  suites=(unit property program haptics io allocation)
+  suites=(unit property program io allocation)
   # Tests where brute force or a long loop takes most of the time, and other tests run the same code. All run by hand.
   declare -A left_out=(
     [unit]='Query/reference.*:Queries.FindTheClosestOfManyNearlyClosestPairs:RealTime.NoMove*'
     [property]='Fans.*:Displacements.*:SolidRelationProperty.*:LatticeProperty.OfTwoModels:ImpactProperty.OfOneModel*'
-    [program]='ProgramDemo.WritesAPage*:ProgramDemo.ThePageOfTheUsualRun*:ProgramDemo.*Frames*:ProgramHaptics.TellsMissed*'
-    [haptics]='HapticScene.DeformsTissue*:HapticTick.AllocatesNothing'
+    [program]='ProgramDemo.WritesAPage*:ProgramDemo.ThePageOfTheUsualRun*:ProgramDemo.*Frames*'
   )
   left_out[unit]+=':FloatEnvironment.OfTheCallerChangesNoAnswer:Model.KeepsUpWithTriangles*'
   left_out[property]+=':RandomQueries.*:*PlanningQueries.*:SelfContactsProperty.AreThoseOfBruteForceOnARealMesh'

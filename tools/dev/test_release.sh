@@ -2,11 +2,11 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: test_release [args]  the unit, allocation and haptics tests in the build that users install, without checks
+#: test_release [args]  the unit and allocation tests in the build that users install, without checks
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 need_for_tests
 configure release -DLIMBER_BUILD_TESTS=ON
-build release --target limber_unit_tests limber_allocation_tests limber_haptics_tests
+build release --target limber_unit_tests limber_allocation_tests
 (cd -- "$root" && ctest --test-dir build/release --output-on-failure --parallel "$jobs" \
-  -R '^(unit|allocation|haptics)\.' "$@") </dev/null
+  -R '^(unit|allocation)\.' "$@") </dev/null

@@ -26,7 +26,7 @@ function digestOfSources() {
         .replaceAll('\\', '/'),
     )
     .filter((name) =>
-      /^(viewer|report|replay|study|haptics|shared)\/.*\.(ts|css|html)$|^(build\.mjs|package-lock\.json)$/.test(name),
+      /^(viewer|report|replay|study|shared)\/.*\.(ts|css|html)$|^(build\.mjs|package-lock\.json)$/.test(name),
     );
   const lines = names.sort().map((name) => `${sha256(readFileSync(join(here, name)))} ${name}\n`);
   return sha256(lines.join(''));

@@ -9,7 +9,6 @@
 
 #include "command/output.h"
 #include "command/text.h"
-#include "haptics/percentiles.h"
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 
@@ -62,8 +61,10 @@ Spread spread_over(const std::vector<DemoFrame>& frames, double DemoFrame::*valu
   std::vector<double> values;
   values.reserve(frames.size());
   for (const DemoFrame& frame : frames) values.push_back(frame.*value);
-  const Percentiles found = percentiles_of(std::move(values)).value();
-  return {found.median(), found.at[2], found.max};
+  std::sort(values.begin(), values.end());
+  const std::size_t count = values.size(), rank = (99 * count + 99) / 100;  // of the 99th percentile, from 1
+  const auto p99 = rank < count ? std::optional(values[rank - 1]) : std::nullopt;
+  return {values[(count - 1) / 2], p99, values.back()};
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ namespace limber::program {
 extern const std::string_view viewer_template;
 
 /// The page with its data in place, to which the program's version, the time and the command line are added. It shows a
-/// sequence if the data has "rows", as that of Replay, a study if it has "study", as that of Study, a force loop if it
-/// has "haptics", and otherwise what distance_report() gives.
+/// sequence if the data has "rows", as that of Replay, a study if it has "study", as that of Study, and otherwise what
+/// distance_report() gives.
 ///
 /// Pre      All numbers are finite.
 std::string filled_page(Json data, const std::string& command_line);

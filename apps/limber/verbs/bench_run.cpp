@@ -13,7 +13,6 @@
 
 #include "command/output.h"
 #include "command/text.h"
-#include "haptics/percentiles.h"
 #include "limber/contacts.h"
 #include "limber/points.h"
 #include "scenes/scenes.h"
@@ -30,7 +29,11 @@ constexpr double shortest_sample_us = 30;  // a thousand times the cost of readi
 double diagonal(const Box& box) { return length(box.high - box.low); }
 Vec3 center_of(const Box& box) { return 0.5 * (box.low + box.high); }
 
-double median(std::vector<double> values) { return percentiles_of(std::move(values)).value().median(); }
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 double rounded(double value) { return parsed_number(fmt::format("{:.2e}", value)).value(); }
 

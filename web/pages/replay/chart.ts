@@ -21,8 +21,6 @@ interface Drawn {
 export interface Curve extends Drawn {
   values: Values;
   isDashed?: boolean;
-  /** Each value holds up to the next x. */
-  isStepped?: boolean;
   /** The curve goes on beyond values that are missing; or there are dots alone. Without it, it ends there. */
   gaps?: 'spanned' | 'dots';
 }
@@ -45,8 +43,6 @@ export interface ChartOptions {
   curves: readonly Curve[];
   dots?: readonly Dots[];
   isLogarithmic?: boolean;
-  /** What is along the curves; without it their rows. */
-  x?: { values: readonly number[]; isLogarithmic: boolean };
   /** Values of x with a line. */
   marks?: readonly number[];
   /** A value with a line across. */
@@ -83,7 +79,7 @@ export class Chart {
     ].flat();
     const caption = element('p', 'soft keys', element('span', 'unit', options.unit), ...keys);
     host.append(element('div', 'chart', element('h3', '', options.title), caption, area));
-    const rows = options.x?.values.slice() ?? curves[0].values.map((_, row) => row);
+    const rows = curves[0].values.map((_, row) => row);
     const series = [
       ...areas.flatMap(({ low, high }) => [high, low]),
       ...[...curves, ...dots].map(({ values }) => values),
@@ -117,31 +113,29 @@ export class Chart {
   }
 
   private settings(options: ChartOptions, width: number): uPlot.Options {
-    const { areas = [], curves, dots = [], isLogarithmic = false, x } = options;
+    const { areas = [], curves, dots = [], isLogarithmic = false } = options;
     const font = `14px ${getComputedStyle(document.body).fontFamily}`;
     const axis = { font, stroke: () => token('soft'), grid: { stroke: () => token('grid'), width: 1 } };
     const edge = { width: 0, points: { show: false } };
-    const linked = x === undefined ? { sync: { key: 'rows' } } : {};
-    const alongX = x === undefined ? { incrs: frameSteps } : labels(x.isLogarithmic);
     return {
       width,
       height,
       legend: { show: false },
-      cursor: { ...linked, drag: { x: false, y: false }, points: { show: false } },
+      cursor: { sync: { key: 'rows' }, drag: { x: false, y: false }, points: { show: false } },
       scales: {
-        x: { time: false, ...(x?.isLogarithmic === true ? { distr: 3, range: this.rangeWithMarks } : {}) },
+        x: { time: false },
         y: isLogarithmic ? { distr: 3, range: roundRange } : { range: this.rangeWithLimit },
       },
       axes: [
-        { ...axis, ticks: { show: false }, size: 30, ...alongX },
+        { ...axis, ticks: { show: false }, size: 30, incrs: frameSteps },
         { ...axis, ticks: { show: false }, size: 64, ...labels(isLogarithmic) },
       ],
       series: [
         {},
         ...areas.flatMap(() => [edge, edge]),
-        ...curves.map(({ color, isDashed, isStepped, gaps }) => ({
+        ...curves.map(({ color, isDashed, gaps }) => ({
           stroke: () => token(color),
-          paths: gaps === 'dots' ? () => null : isStepped === true ? uPlot.paths.stepped!({ align: 1 }) : undefined,
+          paths: gaps === 'dots' ? () => null : undefined,
           spanGaps: gaps === 'spanned',
           width: 1.8,
           dash: isDashed === true ? [5, 4] : undefined,
@@ -160,9 +154,6 @@ export class Chart {
       hooks: { draw: [(plot) => this.drawLines(plot)] },
     };
   }
-
-  private readonly rangeWithMarks = (plot: uPlot, low: number | null, high: number | null): [number, number] =>
-    roundRange(plot, Math.min(low ?? Infinity, ...this.marks), Math.max(high ?? -Infinity, ...this.marks));
 
   private readonly rangeWithLimit = (_: uPlot, low: number | null, high: number | null): [number, number] => {
     if (this.limit === undefined) return fromZero(low, high);

@@ -13,7 +13,6 @@ const { isClosed, mostPerpendicularAxis, outlinesOf, planeThrough } = await modu
 
 const { shown, grouped, inPage, percentile, ticks, roundAbove, roundBelow } = await module('shared/numbers.ts');
 const { windowLength, windowsOf } = await module('replay/charts.ts');
-const { stepsOf } = await module('haptics/haptics.ts');
 const { labelPlace } = await module('shared/marks.ts');
 const { worstFirst: worstFrames } = await module('replay/model.ts');
 const { mapColors } = await module('shared/surface.ts');
@@ -125,19 +124,6 @@ test('few frames are shown one by one, many in windows of at least 20', () => {
     [0, 0.05, 0.051, 0.5, 0.95, 1].map((part) => percentile([...Array(20).keys()], part)),
     [0, 0, 1, 9, 18, 19],
   );
-});
-
-test('histograms of other ranges have one axis, and steps where they have ticks', () => {
-  const bin = (from_us, to_us, ticks) => ({ from_us, to_us, ticks });
-  const { edges, heights } = stepsOf([
-    { name: 'few', bins: [bin(2, 4, 7)] },
-    { name: 'many', bins: [bin(1, 2, 30), bin(4, 8, 1)] },
-  ]);
-  assert.deepEqual(edges, [1, 2, 4, 8]);
-  assert.deepEqual(heights, [
-    [null, 7, 0.5, null],
-    [30, 0.5, 1, 0.5],
-  ]);
 });
 
 test('windows have percentiles and the place of their largest value', () => {

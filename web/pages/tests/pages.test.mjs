@@ -105,8 +105,6 @@ before(async () => {
   demo('usual');
   demo('few', '--frames', '30', '--relative-error', '0.3', '--no-check');
   demo('thinned', '--frames', '300', '--dents-per-frame', '60', '--no-check');
-  const small = ['--rate', '200', '--tissue', '4000', '--tool', '1000'];
-  limber('haptics', ...small, '--seconds', '0.5', '--jitter-seconds', '0.1', '--json', '--report', path('loop'));
   browser = await launch();
 });
 
@@ -142,25 +140,6 @@ for (const name of [...reports, ...tracks, ...studies, ...demos]) {
       await page.close();
     });
   }
-}
-
-for (const { width, scheme } of screens) {
-  test(`a force loop has its charts and tables, and no models, at ${width} pixels, ${scheme}`, async () => {
-    const page = await look('loop', { width, scheme });
-    await expectGoodLooks(page, '.plot');
-    const charts = await page.$$eval('.plot', (all) => all.map((plot) => plot.getAttribute('aria-label')));
-    assert.equal(charts.length, 3);
-    assert.match(charts[0], /^Work of a tick.* whole tick: 0\.5 to \d+; query: 0\.5 to \d+$/);
-    assert.equal(await page.locator('#view, #models, template').count(), 0);
-    const { summary, times } = dataOf(path('loop')).haptics;
-    for (const [table, rows] of Object.entries({ summary, times })) {
-      assert.deepEqual(
-        await rowsOf(page, `#${table}`),
-        rows.map((row) => row.map(inPage)),
-      );
-    }
-    await page.close();
-  });
 }
 
 test('a page has the parts of its kind alone', async () => {

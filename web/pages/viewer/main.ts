@@ -1,13 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/**
- * The page of `--report`: two models as they stand, a study of many pairs, a replay of frames if it has rows, or the
- * times of a force loop.
- */
+/** The page of `--report`: two models as they stand, a study of many pairs, or a replay of frames if it has rows. */
 
-import { showHaptics } from '../haptics/haptics.ts';
-import type { HapticData } from '../haptics/haptics.ts';
 import { showReplay } from '../replay/replay.ts';
 import type { ReplayData } from '../replay/model.ts';
 import { showReport } from '../report/report.ts';
@@ -20,11 +15,11 @@ import { isOfOnePair, usualTitle } from '../study/texts.ts';
 import { showMaking, showTitle } from './texts.ts';
 import type { Making } from './texts.ts';
 
-type Data = (ReportData | ReplayData | StudyData | HapticData) & Making & { title?: string; unit?: string };
+type Data = (ReportData | ReplayData | StudyData) & Making & { title?: string; unit?: string };
 
 const data = JSON.parse(byId('data').textContent ?? 'null') as Data;
-const view = 'haptics' in data ? 'haptics' : 'study' in data ? 'study' : 'rows' in data ? 'replay' : 'report';
-// The page has templates for what only some of the views have; what is of models is of all but the force loop.
+const view = 'study' in data ? 'study' : 'rows' in data ? 'replay' : 'report';
+// The page has templates for what only some of the views have.
 for (const part of document.querySelectorAll('template')) {
   if (part.dataset.of?.split(' ').includes(view)) part.replaceWith(part.content);
   else part.remove();
@@ -32,10 +27,7 @@ for (const part of document.querySelectorAll('template')) {
 setUnit(data.unit ?? '');
 for (const place of document.querySelectorAll('.in-unit')) place.textContent = inUnit();
 const title = data.title ?? '';
-if ('haptics' in data) {
-  for (const part of document.querySelectorAll('.of-models')) part.remove();
-  showHaptics(data.haptics);
-} else if ('study' in data) {
+if ('study' in data) {
   const { study, models } = data;
   const pair = [study.rows.a[0], study.rows.b[0]].map((part) => study.parts.name[part]) as [string, string];
   showTitle(title, isOfOnePair(study) ? pair : usualTitle(study, models));
