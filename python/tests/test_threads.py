@@ -164,6 +164,7 @@ def long_calls() -> dict[str, Callable[[], object]]:
     soup, other = (limber3d.Model(c, numpy.arange(120_000).reshape(-1, 3)) for c in corners)
     ball = limber3d.Model(*shapes.ball(150, 100))
     surface, huge = limber3d.ClosedSurface(ball), shapes.ball(1000, 1000)
+    small = limber3d.ClosedSurface(limber3d.Model(*shapes.ball(40, 30)))
     scene = limber3d.Scene()
     pairs = numpy.tile([scene.add(ball), scene.add(ball, ([1, 0, 0, 0], [2.001, 0, 0]))], (1_000_000, 1))
     scene.commit()
@@ -191,7 +192,7 @@ def long_calls() -> dict[str, Callable[[], object]]:
         "closest_point_many": lambda: limber3d.closest_point_many(ball, points),
         "contains_many": lambda: surface.contains_many(points),
         "signed_distance_many": lambda: surface.signed_distance_many(points),
-        "solid_relation_many": lambda: limber3d.solid_relation_many([surface, surface], [[0, 1]] * 99),
+        "solid_relation_many": lambda: limber3d.solid_relation_many([small, small], [[0, 1]] * 9999),
         "Scene.distance": lambda: scene.distance(pairs),
         "Scene.contacts": lambda: scene.contacts(pairs, 0.01),
     }
