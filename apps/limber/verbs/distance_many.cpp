@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verbs/distance_many.h"
 
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -136,6 +139,24 @@ Json answer_in_row(std::size_t number, const AskedPairs& asked, const PartPair& 
   return json;
 }
 
+/// Makes what models make when they are first asked for it, so that threads may ask them.
+void prepare(const AskedPairs& asked) {
+  for (const StudyPart& part : asked.parts) {
+    static_cast<void>(part.model->surface());
+    static_cast<void>(part.model->is_closed());
+  }
+}
+
+/// Answers as many pairs as there is room for, or are left, from one on, each on any thread.
+void answer_next(const DistanceQuestion& question, const AskedPairs& asked, std::size_t first,
+                 std::vector<DistanceAnswer>& answers) {
+  const std::size_t count = std::min(answers.size(), asked.pairs.size() - first);
+  oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const auto& [a, b] = asked.pairs[first + i];
+    answers[i] = answer_to(question, asked.parts[a].placed(), asked.parts[b].placed());
+  });
+}
+
 void warn_about(std::size_t nested_count) {
   if (nested_count == 0) return;
   const std::string where =
@@ -173,10 +194,13 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
   if (!arguments.json) {
     out.write((asked.kind == StudyKind::pairs ? pairs_answer_columns() : parts_answer_columns()) + '\n');
   }
+  prepare(asked);
+  std::vector<DistanceAnswer> answers(32 * static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
   for (std::size_t i = 0; i < asked.pairs.size(); ++i) {
     bar.draw(i);
     const auto& [a, b] = asked.pairs[i];
-    const DistanceAnswer answer = answer_to(question, asked.parts[a].placed(), asked.parts[b].placed());
+    if (i % answers.size() == 0) answer_next(question, asked, i, answers);
+    const DistanceAnswer& answer = answers[i % answers.size()];
     const bool is_far = answer.result.status == DistanceStatus::beyond_limit && !answer.may_clash;
     if (is_far && asked.kind == StudyKind::parts) continue;
     const auto accepted = accepted_pairs.accept(asked.parts[a].name, asked.parts[b].name, answer);
