@@ -45,7 +45,7 @@ class MovingDistance {
     const double needed = shadow.speed() * (end - time);
     const double limit = distance + 1.1 * needed + 0.1 * gap + a_.radius() + b_.radius();
     const double lower = distance_of(shadow, {.relative_error = 0.1, .max_distance = limit});
-    const double until = std::clamp(time + down * (lower - distance) / shadow.speed() - 0x1p-52, time, end);
+    const double until = std::max(time, time + down * (lower - distance) / shadow.speed() - 0x1p-52);
     learn(spared_until(until));
     return until;
   }
