@@ -25,8 +25,8 @@ inline bool is_rigid(const Transform& transform) {
 /// Pre: is_rigid() does not hold.
 std::string why_not_rigid(const Transform& transform);
 
-/// Throws std::invalid_argument, which says why, unless `transform`, which is called `name`, is rigid.
-void throw_not_rigid(const Transform& transform, const std::string& name);
+/// Throws std::invalid_argument, which says why a transform, which is called `name`, is not rigid.
+[[noreturn]] void throw_not_rigid(const Transform& transform, const std::string& name);
 inline void require_rigid(const Transform& transform, const char* name) {
   if (!geometry::is_rigid(transform)) throw_not_rigid(transform, name);
 }

@@ -16,7 +16,6 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "base/float_environment.h"
-#include "geometry/rigid.h"
 #include "mesh/updates.h"
 #include "model/model_impl.h"
 
@@ -234,13 +233,12 @@ Result<void> Model::validate() const {
   return bvh::validate(impl.tree, fitted);
 }
 
-void require_ready(const Placed& placed, const char* place, const char* name) {
+void throw_not_ready(const Placed& placed, const char* place, const char* name) {
   const auto text = [&](const char* what) { return std::string(place) + ": " + name + what; };
   LIMBER_REQUIRE(placed.model().is_committed(), text(" has moves without a commit(), or has been moved from").c_str());
   LIMBER_REQUIRE(
       has_its_surface(placed.body()),
       text(" was reset() after it was made a solid, so ClosedSurface::create() must check it again").c_str());
-  if (geometry::is_rigid(placed.pose)) return;
   geometry::throw_not_rigid(placed.pose, std::string(place) + ": the pose of " + name);
 }
 

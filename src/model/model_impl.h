@@ -12,6 +12,7 @@
 
 #include "base/access.h"
 #include "bvh/tree.h"
+#include "geometry/rigid.h"
 #include "limber/elements.h"
 #include "limber/model.h"
 #include "model/tree_updater.h"
@@ -55,8 +56,15 @@ inline bool has_its_surface(const Body& body) {
   return id == 0 || id == Access::impl(body.model()).surface_id;
 }
 
+/// Throws std::invalid_argument, which says what of a model is not as require_ready() wants it.
+[[noreturn]] void throw_not_ready(const Placed& placed, const char* place, const char* name);
+
 /// Throws std::invalid_argument, "place: name ...", unless a query may ask about a model: it is committed, still has
 /// the surface that was found to be closed, and its pose is rigid.
-void require_ready(const Placed& placed, const char* place, const char* name);
+inline void require_ready(const Placed& placed, const char* place, const char* name) {
+  const bool is_ready =
+      placed.model().is_committed() && has_its_surface(placed.body()) && geometry::is_rigid(placed.pose);
+  if (!is_ready) throw_not_ready(placed, place, name);
+}
 
 }  // namespace limber
