@@ -119,7 +119,7 @@ LIMBER_API PathImpact time_of_impact(const Body& a, const RigidPath& path_a, con
 /// How near two models come to each other on their way.
 struct [[nodiscard]] PathDistance {
   double lower = 0;                                        ///< no nearer than this at any time up to max_time
-  double upper = std::numeric_limits<double>::infinity();  ///< so far apart at `time`
+  double upper = std::numeric_limits<double>::infinity();  ///< at most so far apart at `time`
   double time = 0;
   std::optional<Witness> witness;    ///< the closest points at `time`
   std::uint64_t distance_count = 0;  ///< how many distances were asked for

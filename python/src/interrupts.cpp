@@ -28,8 +28,14 @@ struct Task {
   bool is_done = false, is_abandoned = false;
 };
 
-int destroy(void* task) {
-  delete static_cast<Task*>(task);
+std::mutex ended_mutex;
+std::vector<std::unique_ptr<Task>> ended;  // that were abandoned
+
+/// Destroys all abandoned tasks that have ended: work holds objects of Python. Pre: the GIL is held.
+int destroy_ended(void*) {
+  std::vector<std::unique_ptr<Task>> tasks;
+  const std::lock_guard lock(ended_mutex);
+  tasks.swap(ended);
   return 0;
 }
 
@@ -39,7 +45,9 @@ void run(Task* task) {
   task->is_done = true;
   if (!task->is_abandoned) return task->has_ended.notify_one();
   lock.unlock();
-  Py_AddPendingCall(&destroy, task);  // work holds objects of Python
+  const std::lock_guard ended_lock(ended_mutex);
+  ended.emplace_back(task);
+  Py_AddPendingCall(&destroy_ended, nullptr);  // where there is no room for it, one is there that will do
 }
 
 /// Waits for a moment, or until the task is done; returns whether it is.
@@ -72,7 +80,10 @@ Interruption::Interruption(bool is_wanted) {
 
 Interruption::~Interruption() {
   if (!is_listening_) return;
-  sigaction(SIGINT, &action_of_python, nullptr);
+  struct sigaction action = {};
+  sigaction(SIGINT, nullptr, &action);
+  // A handler that ran meanwhile may have set another one.
+  if (action.sa_sigaction == &note_interruption) sigaction(SIGINT, &action_of_python, nullptr);
   listening = nullptr;
 }
 
@@ -93,7 +104,7 @@ void run_aside(std::function<void()> work) {
     task->is_abandoned = is_interrupted && !task->is_done;
   }
   if (task->is_abandoned) {
-    static_cast<void>(task.release());  // the thread deletes it
+    static_cast<void>(task.release());  // destroy_ended() has it
     abandoned.push_back(std::move(thread));
   } else {
     thread.join();
@@ -102,9 +113,12 @@ void run_aside(std::function<void()> work) {
 }
 
 void wait_for_abandoned() {
-  const Released released;
-  for (std::thread& thread : abandoned) thread.join();
+  {
+    const Released released;
+    for (std::thread& thread : abandoned) thread.join();
+  }
   abandoned.clear();
+  destroy_ended(nullptr);
 }
 
 }  // namespace limber::python

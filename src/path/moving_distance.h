@@ -10,6 +10,7 @@
 
 #include "limber/gradients.h"
 #include "limber/path.h"
+#include "pair/budget_meter.h"
 #include "path/shadow.h"
 
 namespace limber::path {
@@ -19,11 +20,19 @@ class MovingDistance {
  public:
   MovingDistance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
                  const PathOptions& options, const MovingBodies* bodies)
-      : a_(a), b_(b), path_a_(path_a), path_b_(path_b), options_(options), speed_(speed), bodies_(bodies) {}
+      : a_(a),
+        b_(b),
+        path_a_(path_a),
+        path_b_(path_b),
+        options_(options),
+        speed_(speed),
+        bodies_(bodies),
+        meter_(options.budget) {}
 
   /// The distance at a time. Nothing if the budget does not allow another one.
   std::optional<DistanceResult> at(double time, const DistanceOptions& errors_and_limit) {
-    if (count >= options_.budget.max_steps) stopped_by = StoppedBy::max_steps;
+    // Distances that take a step or two do not look at the clock themselves.
+    if (stopped_by == StoppedBy::nothing && meter_.is_spent(count)) stopped_by = meter_.stopped_by();
     if (stopped_by != StoppedBy::nothing) return std::nullopt;
     DistanceOptions wanted = errors_and_limit;
     wanted.cache = options_.cache, wanted.budget = options_.budget;
@@ -117,7 +126,8 @@ class MovingDistance {
   const PathOptions& options_;
   double speed_;
   const MovingBodies* bodies_;  // whose paths are motions; or null
-  double work_ = 0;             // of distances, in tests of nodes and triangles
+  pair::BudgetMeter meter_;
+  double work_ = 0;  // of distances, in tests of nodes and triangles
   double next_shadow_ = 0.5 * work_of_shadow();
 };
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -212,6 +213,23 @@ TEST(PathImpact, StopsWhenItsBudgetIsSpent) {
   EXPECT_EQ(few.stopped_by, StoppedBy::max_steps);
   EXPECT_EQ(few.distance_count, 3U);
   EXPECT_GT(min_distance(ball, passes, ball, {}).lower, few.lower);
+}
+
+TEST(PathImpact, KeepsToItsDeadlineWhereEachDistanceIsAStep) {
+  const Model a(scenes::grid(1, 1, -1, -1, 1, 1)), b(scenes::grid(1, 1, -1, -1, 9, 9));
+  const auto slide = [](double t) { return Transform{{}, {t, 0, 1e-6}}; };
+  const auto stay = [](double) { return Transform{}; };
+  const RigidPath slides{slide, 1}, stays{stay, 0};
+  const std::atomic<bool> stop = true;
+  for (const QueryBudget& budget : {QueryBudget{.deadline = std::chrono::steady_clock::now()},
+                                    QueryBudget{.cancel = &stop}, QueryBudget{.abandon = &stop}}) {
+    const PathImpact impact = time_of_impact(a, slides, b, stays, {.distance_error = 0, .budget = budget});
+    EXPECT_EQ(impact.status, ImpactStatus::undecided);
+    EXPECT_LE(impact.distance_count, 4U);
+    const PathDistance nearest = min_distance(a, slides, b, stays, {.distance_error = 1e-8, .budget = budget});
+    EXPECT_NE(nearest.stopped_by, StoppedBy::nothing);
+    EXPECT_LE(nearest.distance_count, 4U);
+  }
 }
 
 /// The least distance at many times, and the time before which it is never below a separation.
