@@ -26,7 +26,7 @@ PRIVATE = {
     "contacts": ("base",),
     "motion": ("pair/budget_meter.h", "pair/contacts_in_parts.h", "pair/placed_pair.h", "model", "mesh", "bvh",
                "geometry", "simd", "base"),
-    "path": ("geometry", "base"),
+    "path": ("pair/budget_meter.h", "geometry", "base"),
     "solid": ("pair", "point", "model", "mesh", "bvh", "geometry", "simd", "base"),
     "scene": ("path", "model", "bvh", "geometry", "simd", "base"),
     "penetration": ("point", "pair/meter.h", "model", "mesh", "bvh", "geometry", "simd", "base"),
