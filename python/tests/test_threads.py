@@ -171,7 +171,8 @@ def long_calls() -> dict[str, Callable[[], object]]:
     points = numpy.random.default_rng(4).normal(size=(2_000_000, 3)) * 0.01
     ball_points = points[:8000] / numpy.linalg.norm(points[:8000], axis=1)[:, None]
     meeting, crowd = limber3d.Scene(), limber3d.Scene()
-    meeting.add(soup), meeting.add(other), meeting.commit()
+    meeting.add(soup), meeting.add(other)
+    meeting.commit()
     for _ in range(20_000):
         crowd.add(ball)
     crowd.commit()

@@ -36,8 +36,8 @@ inline Mesh hollow_box(const Vec3& low, const Vec3& high, double wall) {
 }
 
 /// Some solid at the lattice, of at most `most_triangles` triangles, but for tetrahedra and boxes.
-inline Mesh random_solid(Rng& rng, std::uint64_t kinds = 8) {
-  switch (rng.below(kinds)) {
+inline Mesh random_solid(Rng& rng, std::uint64_t kind_count = 8) {
+  switch (rng.below(kind_count)) {
     case 0: {
       const Vec3 a = lattice_point(rng), b = lattice_point(rng), c = lattice_point(rng), d = lattice_point(rng);
       return tetrahedron(a, b, c, d);  // flat ones and points among them
