@@ -158,7 +158,7 @@ RecordArray array_of(std::span<const T> records, nb::handle dtype) {
   return array_of(records, dtype, {records.size()});
 }
 
-/// What a search has found, in a deque: it grows without being copied, which would take seconds where it is large.
+/// An array of what a search has found. A deque holds that, as it grows without copies, which take seconds when large.
 template <typename T>
 nb::object array_of(const std::deque<T>& found, nb::handle dtype, std::initializer_list<std::size_t> shape) {
   nb::object array = new_array(dtype, shape);

@@ -30,7 +30,7 @@ namespace {
 using Filter = PairFilter<ObjectPairFilter>;
 using SceneCacheObject = CacheObject<SceneCache>;
 
-/// What search(scene, visitor) finds. Ctrl-C ends it.
+/// Calls search(scene, visitor) and returns what the visitor is given. Ctrl-C ends the search.
 template <typename Found, typename Search>
 std::deque<Found> found_in(SceneObject& self, bool needs_gil, const Search& search) {
   return self.read([&](const Scene& scene) {

@@ -128,8 +128,8 @@ void PolygonTriangles::cut_ears() {
     prev_[after] = before;
     is_convex_[before] = turn(prev_[before], before, after) > 0;
     is_convex_[after] = turn(before, after, next_[after]) > 0;
-    // What covers nothing leaves at once, as it would look like a part of the face that goes both ways. Otherwise not
-    // the next corner, so that ears are less narrow.
+    // A corner that covers no area is cut at once: its edges go both ways, so other ears would seem to cross them.
+    // Otherwise the search skips the next corner, so that ears are less narrow.
     corner = covers_nothing(before) ? before : covers_nothing(after) ? after : next_[after];
     passed = 0;
     --left;

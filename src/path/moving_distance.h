@@ -59,8 +59,8 @@ class MovingDistance {
     return until;
   }
 
-  /// A lower bound of the distance at all times up to one: within an error, if it is least in no certain direction.
-  /// Just 0, unless a shadow may spare many distances.
+  /// A lower bound of the distance at all times up to `end`. A shadow gives it, to within about the error where bodies
+  /// pass each other at one distance. It is 0 where no shadow is likely to spare many distances.
   double least_until(double end, double error) {
     if (work_ < 2 * work_of_shadow() || !is_worth_a_shadow(most_in(end) / error)) return 0;
     const Shadow shadow(*bodies_, 0.5 * end, error / end);

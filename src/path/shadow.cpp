@@ -15,9 +15,9 @@
 namespace limber::path {
 namespace {
 
-// What is rounded on the way to a shadow, as a part of the largest coordinate: some 20 operations.
+// The rounding of a shadow's coordinates in some 20 operations, as a part of the largest coordinate.
 constexpr double shadow_error = 0x1p-46;
-// By what motions are off from turning about one axis, as a part of the radius (rigid_motion.cpp says 10^-12).
+// How far a motion strays from a turn about one axis, as a part of the radius. rigid_motion.cpp allows 10^-12.
 constexpr double turn_error = 0x1p-38;
 
 struct Point2 {

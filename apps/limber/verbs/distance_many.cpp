@@ -147,7 +147,7 @@ void prepare(const AskedPairs& asked) {
   }
 }
 
-/// Answers as many pairs as there is room for, or are left, from one on, each on any thread.
+/// Answers the pairs from `first` on, as many as `answers` has room for, on all threads.
 void answer_next(const DistanceQuestion& question, const AskedPairs& asked, std::size_t first,
                  std::vector<DistanceAnswer>& answers) {
   const std::size_t count = std::min(answers.size(), asked.pairs.size() - first);
