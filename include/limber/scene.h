@@ -314,7 +314,7 @@ class Scene {
   /// Promise  lower <= shortest distance <= upper, as distance() promises for two models. The same result, to the bit,
   ///          on any number of threads. Which of several equally close pairs is named is not defined beyond that.
   /// Limit    If no two objects are as close as max_distance, or there are none, the status is `beyond_limit`.
-  /// Budget   If it is spent first, the status is `interrupted`, as of distance().
+  /// Budget   If it is spent first, the status is `interrupted`, as of distance(); without objects if none was asked.
   /// Throws   As candidate_pairs(), and distance() for its options.
   /// Cost     Distances of the few pairs whose bounds are closer than the closest pair, on the threads of the calling
   ///          oneTBB arena, and that of candidate_pairs(). Allocates some kB.

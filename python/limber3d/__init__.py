@@ -22,6 +22,10 @@ Errors    limber3d.Error where a docstring names an error code: an InputError, w
           at the same time.
 Threads   Builds, commits and queries release the GIL, except queries with a filter that is a Python function. Models
           may be shared by threads that query them.
+Ctrl-C    raises KeyboardInterrupt in each long call of the main thread, within a moment, also while arrays are copied;
+          where there are many answers a BatchInterrupted, which keeps those that were done. Builds, changes of models,
+          motions and scenes, and what else cannot be cut short, go on to their end in a thread, and what they change is
+          busy until then.
 
 Docstrings are those of the C++ library, so that some of their words are C++.
 """

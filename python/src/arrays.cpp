@@ -102,18 +102,22 @@ bool Array::has_shape(std::initializer_list<std::ptrdiff_t> shape) const {
 template <typename Use>
 void Array::for_elements(const Use& use) const {
   const auto count = static_cast<std::size_t>(buffer_.len / buffer_.itemsize);
-  std::vector<unsigned char> packed;
-  if (!is_packed()) {
-    packed.resize(static_cast<std::size_t>(buffer_.len));
-    Py_buffer view = buffer_;  // CPython 3.10 takes no const one
-    if (PyBuffer_ToContiguous(packed.data(), &view, view.len, 'C') != 0) throw nb::python_error();
-  }
-  const unsigned char* const first = is_packed() ? data() : packed.data();
+  const unsigned char* const packed = is_packed() ? data() : nullptr;
+  Py_buffer view = buffer_;                     // CPython 3.10 takes no const one
+  std::vector<Py_ssize_t> place(dimensions());  // of the next element, unless they are packed
+  const auto next = [&] {
+    const void* const element = PyBuffer_GetPointer(&view, place.data());
+    for (std::size_t axis = place.size(); axis-- > 0 && ++place[axis] == view.shape[axis];) place[axis] = 0;
+    return element;
+  };
   const auto use_as = [&]<typename T>(T value) {
-    for (std::size_t i = 0; i < count; ++i) {
-      std::memcpy(&value, first + i * sizeof value, sizeof value);  // which need not be aligned
-      use(value, i);
-    }
+    in_pieces(count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const void* const element = packed != nullptr ? packed + i * sizeof value : next();
+        std::memcpy(&value, element, sizeof value);  // which need not be aligned
+        use(value, i);
+      }
+    });
   };
   switch (scalar_) {
     case Scalar::float32:
@@ -173,20 +177,6 @@ std::string Array::found() const {
                                    .format(nb::tuple(shape), buffer_.format == nullptr ? "unknown" : buffer_.format));
 }
 
-Positions::Positions(nb::handle object, const char* name)
-    : array_(object, name, "shape (n, 3) of floats or integers", Lists::floats) {
-  if (!array_.has_floats({-1, 3}) && !array_.is_empty_list()) array_.refuse();
-  if (array_.size(0) == 0 || !array_.row_bytes()) copied_ = array_.numbers();
-}
-
-PositionsView Positions::view() const {
-  if (copied_) return PositionsView::packed(*copied_);
-  if (array_.scalar() == Scalar::float32) {
-    return PositionsView::strided(reinterpret_cast<const float*>(array_.data()), array_.size(0), *array_.row_bytes());
-  }
-  return PositionsView::strided(reinterpret_cast<const double*>(array_.data()), array_.size(0), *array_.row_bytes());
-}
-
 std::vector<std::uint32_t> ids_from(nb::handle object, const char* name) {
   const Array array(object, name, "shape (n,) of integers", Lists::integers);
   if (array.is_empty_list()) return {};
@@ -196,32 +186,51 @@ std::vector<std::uint32_t> ids_from(nb::handle object, const char* name) {
 
 namespace {
 
-/// Rows of `width` ids.
-template <std::size_t width>
-std::vector<std::array<std::uint32_t, width>> id_rows(const Array& array) {
+/// Rows of ids, as many as a row holds.
+template <typename Row>
+std::vector<Row> id_rows(const Array& array) {
+  constexpr std::size_t width = sizeof(Row) / sizeof(std::uint32_t);
   const bool has_rows = !array.is_empty_list() && !array.has_shape({0, static_cast<std::ptrdiff_t>(width)});
   if (!has_rows) return {};
   if (!array.is_integer() || !array.has_shape({-1, static_cast<std::ptrdiff_t>(width)})) array.refuse();
   const std::vector<std::uint32_t> ids = array.ids();
-  std::vector<std::array<std::uint32_t, width>> rows(array.size(0));
-  std::memcpy(rows.data(), ids.data(), ids.size() * sizeof ids[0]);
+  std::vector<Row> rows;
+  rows.reserve(array.size(0));
+  in_pieces(array.size(0), [&](std::size_t begin, std::size_t end) {
+    rows.resize(end);
+    std::memcpy(static_cast<void*>(rows.data() + begin), ids.data() + begin * width, (end - begin) * sizeof(Row));
+  });
   return rows;
 }
 
 }  // namespace
 
 std::vector<Corners> faces_from(nb::handle object, const char* name) {
-  return id_rows<3>(Array(object, name, "shape (n, 3) of integers", Lists::integers));
+  return id_rows<Corners>(Array(object, name, "shape (n, 3) of integers", Lists::integers));
 }
 
-std::vector<std::array<std::uint32_t, 2>> id_pairs_from(nb::handle object, const char* name) {
-  return id_rows<2>(Array(object, name, "shape (n, 2) of integers", Lists::integers));
+std::vector<ObjectPair> id_pairs_from(nb::handle object, const char* name) {
+  return id_rows<ObjectPair>(Array(object, name, "shape (n, 2) of integers", Lists::integers));
 }
 
 std::vector<Vec3> points_from(nb::handle object, const char* name) {
-  const Positions positions(object, name);
-  std::vector<Vec3> points(positions.view().size());
-  positions.view().copy_to(points);
+  const Array array(object, name, "shape (n, 3) of floats or integers", Lists::floats);
+  if (!array.has_floats({-1, 3}) && !array.is_empty_list()) array.refuse();
+  std::vector<Vec3> points;
+  if (array.size(0) == 0) return points;
+  const std::optional<std::size_t> row_bytes = array.row_bytes();
+  const std::vector<double> numbers = row_bytes ? std::vector<double>{} : array.numbers();
+  const void* const first = row_bytes ? static_cast<const void*>(array.data()) : numbers.data();
+  const bool is_float32 = row_bytes && array.scalar() == Scalar::float32;
+  points.reserve(array.size(0));
+  in_pieces(array.size(0), [&](std::size_t begin, std::size_t end) {
+    const std::size_t step = row_bytes.value_or(sizeof(Vec3));
+    const unsigned char* const there = static_cast<const unsigned char*>(first) + begin * step;
+    const auto view = [&](const auto* at) { return PositionsView::strided(at, end - begin, step); };
+    points.resize(end);
+    (is_float32 ? view(reinterpret_cast<const float*>(there)) : view(reinterpret_cast<const double*>(there)))
+        .copy_to(std::span(points).subspan(begin));
+  });
   return points;
 }
 
@@ -299,11 +308,13 @@ std::vector<Transform> all_rigid(std::size_t count, const std::vector<double>& t
                                  const char* name, std::optional<std::size_t> columns = std::nullopt) {
   std::vector<Transform> poses;
   poses.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  in_pieces(count, [&](std::size_t begin, std::size_t end) {
     const std::size_t turn_size = turns.size() / count, shift_size = shifts.size() / count;
-    poses.push_back(rigid_or_raise(std::span(turns).subspan(i * turn_size, turn_size),
-                                   std::span(shifts).subspan(i * shift_size, shift_size), name, i, columns));
-  }
+    for (std::size_t i = begin; i < end; ++i) {
+      poses.push_back(rigid_or_raise(std::span(turns).subspan(i * turn_size, turn_size),
+                                     std::span(shifts).subspan(i * shift_size, shift_size), name, i, columns));
+    }
+  });
   return poses;
 }
 

@@ -15,6 +15,7 @@
 
 #include "limber/math.h"
 #include "limber/mesh.h"
+#include "limber/scene.h"
 
 /// Arrays and poses that come from Python.
 namespace limber::python {
@@ -92,23 +93,12 @@ class Array {
   Scalar scalar_ = Scalar::other;
 };
 
-/// Positions of vertices, read where they are unless the three coordinates of a vertex are not side by side.
-class Positions {
- public:
-  Positions(nb::handle object, const char* name);
-  PositionsView view() const;
-
- private:
-  Array array_;
-  std::optional<std::vector<double>> copied_;
-};
-
 /// Ids.
 std::vector<std::uint32_t> ids_from(nb::handle object, const char* name);
 /// Triples of vertex ids.
 std::vector<Corners> faces_from(nb::handle object, const char* name);
 /// Pairs of ids.
-std::vector<std::array<std::uint32_t, 2>> id_pairs_from(nb::handle object, const char* name);
+std::vector<ObjectPair> id_pairs_from(nb::handle object, const char* name);
 /// Points as rows.
 std::vector<Vec3> points_from(nb::handle object, const char* name);
 /// One point.

@@ -127,6 +127,25 @@ auto without_gil(const Work& work) {
   return without_gil_unless(false, work);
 }
 
+// --- signals ---
+
+bool is_main_thread();
+
+/// Runs handlers of signals. Throws what they raise, such as KeyboardInterrupt. Pre: the GIL is held.
+inline void run_signal_handlers() {
+  if (is_main_thread() && PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+/// Calls work(begin, end) for pieces of 0 to `count`, and runs handlers of signals in between: for long loops that hold
+/// the GIL, as arguments and answers are copied. `most` is how many take some milliseconds.
+template <typename Work>
+void in_pieces(std::size_t count, const Work& work, std::size_t most = std::size_t{1} << 16) {
+  for (std::size_t begin = 0; begin < count; begin += most) {
+    if (begin > 0) run_signal_handlers();
+    work(begin, std::min(begin + most, count));
+  }
+}
+
 // --- who uses an object ---
 
 /// Somebody else uses the object in a way that excludes the call. Python sees limber3d.BusyError.

@@ -79,7 +79,9 @@ template <typename Search>
 Contacts found_closest(nb::handle filter, double max_distance, std::optional<OrientedFaces> oriented_faces,
                        std::size_t room, const BudgetObject* budget, const Search& search) {
   const Filter which(filter);
-  std::vector<Contact> contacts(room);
+  std::vector<Contact> contacts;
+  contacts.reserve(room);
+  in_pieces(room, [&](std::size_t, std::size_t end) { contacts.resize(end); });
   const auto find = [&](const QueryBudget& limits) {
     return search(contacts, ClosestPairsOptions{max_distance, which.get(), oriented_faces, limits});
   };

@@ -26,13 +26,6 @@
 /// of the main thread has to notice by itself that there is one to run.
 namespace limber::python {
 
-bool is_main_thread();
-
-/// Runs handlers of signals. Throws what they raise, such as KeyboardInterrupt. Pre: the GIL is held.
-inline void run_signal_handlers() {
-  if (is_main_thread() && PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
 /// While one lives, SIGINT sets its flag, besides what it does for Python. One within another's life does nothing, nor
 /// does one of another thread than the main one.
 class Interruption {

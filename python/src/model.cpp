@@ -7,6 +7,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -79,29 +80,24 @@ void reset(ModelObject& self, const MeshArgument& vertices, const ArrayLike& fac
   });
 }
 
-/// Calls change(model) without the GIL. Raises BusyError if another thread uses the model.
+/// Returns change(model), done as aside() has it. Raises BusyError if another thread uses the model.
 template <typename Change>
-auto changed(ModelObject& self, const Change& change) {
-  const Changing guard = changing(self);
-  return without_gil([&] { return change(self.model); });
-}
-
-/// Calls change(model), which may take long, as aside() has it.
-template <typename Change>
-void change_aside(ModelObject& self, const Change& change) {
-  aside(self.model.mesh().triangles().size(),
-        [&model = self.model, change, owner = nb::find(self), guard = changing(self)] { return change(model), true; });
+auto changed(ModelObject& self, Change change) {
+  const Mesh& mesh = self.model.mesh();
+  return aside(std::max(mesh.positions().size(), mesh.triangles().size()),
+               [&model = self.model, change = std::move(change), owner = nb::find(self), guard = changing(self)] {
+                 return change(model);
+               });
 }
 
 void move_vertices(ModelObject& self, const ArrayLike& ids, const ArrayLike& positions) {
-  const std::vector<std::uint32_t> vertices = ids_from(ids, "ids");
-  const Positions moved(positions, "positions");
-  value_or_raise(changed(self, [&](Model& model) { return model.move_vertices(vertices, moved.view()); }));
+  value_or_raise(changed(self, [vertices = ids_from(ids, "ids"), moved = points_from(positions, "positions")](
+                                   Model& model) { return model.move_vertices(vertices, moved); }));
 }
 
 void move_all(ModelObject& self, const ArrayLike& positions) {
-  const Positions moved(positions, "positions");
-  value_or_raise(changed(self, [&](Model& model) { return model.move_all(moved.view()); }));
+  value_or_raise(
+      changed(self, [moved = points_from(positions, "positions")](Model& model) { return model.move_all(moved); }));
 }
 
 /// Calls read_model(model) with the GIL, as it is short. Raises BusyError if another thread changes the model.
@@ -331,15 +327,15 @@ Busy     A call that would change a model while another thread uses it raises Bu
       .def("move_vertices", &move_vertices, "ids"_a, "positions"_a, docs::Model_move_vertices)
       .def("move_all", &move_all, "positions"_a, docs::Model_move_all)
       .def(
-          "commit", [](ModelObject& self) { change_aside(self, [](Model& model) { model.commit(); }); },
+          "commit", [](ModelObject& self) { changed(self, [](Model& model) { return model.commit(), true; }); },
           docs::Model_commit)
       .def(
-          "rebuild", [](ModelObject& self) { change_aside(self, [](Model& model) { model.rebuild(); }); },
+          "rebuild", [](ModelObject& self) { changed(self, [](Model& model) { return model.rebuild(), true; }); },
           docs::Model_rebuild)
       .def(
           "set_motion_margin",
           [](ModelObject& self, double margin) {
-            changed(self, [&](Model& model) { model.set_motion_margin(margin); });
+            changed(self, [margin](Model& model) { return model.set_motion_margin(margin), true; });
           },
           "motion_margin"_a, docs::Model_set_motion_margin)
       .def("reset", &reset, "vertices"_a, "faces"_a = nb::none(), docs::Model_reset)

@@ -30,16 +30,23 @@ class MovingModelObject {
   explicit MovingModelObject(ModelObject& model) : model_(model), moving_(model.model) {}
 
   void set_motion(const ArrayLike& end_positions, const PoseLike& start_pose, const PoseLike& end_pose) {
-    const std::vector<Vec3> end = points_from(end_positions, "end_positions");
-    const Transform start = pose_from(start_pose, "start_pose"), finish = pose_from(end_pose, "end_pose");
-    const Changing own = users_.change("the moving model is in use by another thread");
-    const Reading guard = reading(model_);
-    value_or_raise(without_gil([&] { return moving_.set_motion(end, start, finish); }));
-    motion_ = nb::make_tuple(array_of(std::span<const Vec3>(end)), array_of(start), array_of(finish));
+    Motion motion{points_from(end_positions, "end_positions"), pose_from(start_pose, "start_pose"),
+                  pose_from(end_pose, "end_pose")};
+    const std::size_t size = motion.end.size();
+    value_or_raise(aside(
+        size, [this, motion = std::move(motion), owner = nb::find(*this),
+               own = users_.change("the moving model is in use by another thread"), guard = reading(model_)]() mutable {
+          Result<void> is_set = moving_.set_motion(motion.end, motion.start_pose, motion.end_pose);
+          if (is_set) motion_ = std::move(motion);
+          return is_set;
+        }));
   }
 
-  nb::tuple reduced() const {
-    const nb::object motion = motion_.is_valid() ? motion_ : nb::none();
+  nb::tuple reduced() {
+    const Reading own = reading_motion();
+    nb::object motion = nb::none();
+    const auto end = [&] { return array_of(std::span<const Vec3>(motion_->end)); };
+    if (motion_) motion = nb::make_tuple(end(), array_of(motion_->start_pose), array_of(motion_->end_pose));
     return restored_by(nb::type<MovingModelObject>(), nb::make_tuple(nb::find(model_)), motion);
   }
 
@@ -50,17 +57,23 @@ class MovingModelObject {
     const MovingModel& moving;
   };
   InUse use() {
-    Reading own = users_.read("the motion is being set by another thread");
+    Reading own = reading_motion();
     Reading model = reading(model_);
-    if (!motion_.is_valid()) throw nb::value_error("the moving model has no motion: call set_motion()");
+    if (!motion_) throw nb::value_error("the moving model has no motion: call set_motion()");
     return {nb::find(*this), std::move(own), std::move(model), moving_};
   }
 
  private:
+  /// The arguments of set_motion(), for pickles.
+  struct Motion {
+    std::vector<Vec3> end;
+    Transform start_pose, end_pose;
+  };
+  Reading reading_motion() { return users_.read("the motion is being set by another thread"); }
   ModelObject& model_;
   Users users_;
   MovingModel moving_;
-  nb::object motion_;  // the arguments of set_motion(), for pickles
+  std::optional<Motion> motion_;
 };
 
 /// A filter as Python passes it: called with an ElementPair.

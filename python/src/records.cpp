@@ -330,9 +330,17 @@ GivenContacts contacts_from(nb::handle object, std::optional<std::size_t> axes) 
             .format(axes == 1 ? "(n,)" : "(...)", given.attr("shape"), names);
     throw nb::value_error(nb::cast<std::string>(text).c_str());
   }
-  nb::object packed = numpy.attr("array")(given[nb::list(wanted)], dtypes().contact, "order"_a = "C");
+  nb::object packed = numpy.attr("empty")(given.attr("shape"), dtypes().contact);
   const auto count = nb::cast<std::size_t>(packed.attr("size"));
   auto* const first = static_cast<Contact*>(memory_of(packed, count * sizeof(Contact)));
+  const nb::object all = packed.attr("reshape")(-1), found = given.attr("reshape")(-1);
+  in_pieces(
+      count,
+      [&](std::size_t begin, std::size_t end) {
+        const nb::slice piece(nb::int_(begin), nb::int_(end), nb::int_(1));
+        all[piece] = found[piece][nb::list(wanted)];
+      },
+      std::size_t{1} << 13);
   return {std::move(packed), {first, count}};
 }
 

@@ -148,7 +148,10 @@ template <typename T>
 nb::object array_of(std::span<const T> values, nb::handle dtype, std::initializer_list<std::size_t> shape) {
   static_assert(std::is_trivially_copyable_v<T>);
   nb::object array = new_array(dtype, shape);
-  if (!values.empty()) std::memcpy(memory_of(array, values.size_bytes()), values.data(), values.size_bytes());
+  auto* const out = static_cast<unsigned char*>(memory_of(array, values.size_bytes()));
+  in_pieces(values.size(), [&](std::size_t begin, std::size_t end) {
+    std::memcpy(out + begin * sizeof(T), values.data() + begin, (end - begin) * sizeof(T));
+  });
   return array;
 }
 
@@ -162,7 +165,10 @@ RecordArray array_of(std::span<const T> records, nb::handle dtype) {
 template <typename T>
 nb::object array_of(const std::deque<T>& found, nb::handle dtype, std::initializer_list<std::size_t> shape) {
   nb::object array = new_array(dtype, shape);
-  std::copy(found.begin(), found.end(), static_cast<T*>(memory_of(array, found.size() * sizeof(T))));
+  auto* const out = static_cast<T*>(memory_of(array, found.size() * sizeof(T)));
+  in_pieces(found.size(), [&](std::size_t begin, std::size_t end) {
+    std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(begin), end - begin, out + begin);
+  });
   return array;
 }
 template <typename T>

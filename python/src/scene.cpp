@@ -30,25 +30,27 @@ namespace {
 using Filter = PairFilter<ObjectPairFilter>;
 using SceneCacheObject = CacheObject<SceneCache>;
 
-/// Calls search(scene, visitor) and returns what the visitor is given. Ctrl-C ends the search.
-template <typename Found, typename Search>
-std::deque<Found> found_in(SceneObject& self, bool needs_gil, const Search& search) {
+/// Calls search(scene, visitor, filter) and returns what the visitor is given. Ctrl-C ends it: whatever it meets then
+/// counts, so that it asks the visitor.
+template <typename Found, typename Which, typename Search>
+std::deque<Found> found_in(SceneObject& self, const Which& which, const Search& search) {
+  const auto filter = which.get();
   return self.read([&](const Scene& scene) {
-    return interruptible(
-        nullptr,
-        [&](const QueryBudget& budget) {
-          std::deque<Found> all;
-          search(scene, [&](const Found& found) { return all.push_back(found), !*budget.abandon; });
-          return all;
-        },
-        needs_gil);
+    const auto find = [&](const QueryBudget& budget) {
+      std::deque<Found> all;
+      const auto visit = [&](const Found& found) { return all.push_back(found), !*budget.abandon; };
+      const auto counts = [&](auto... ids) { return *budget.abandon || (*filter)(ids...); };
+      search(scene, visit, filter ? decltype(filter)(counts) : std::nullopt);
+      return all;
+    };
+    return interruptible(nullptr, find, which.needs_gil());
   });
 }
 
 IdArray candidate_pairs_of(SceneObject& self, double margin, const ObjectFilter& filter) {
   const Filter which(filter);
-  const auto pairs = found_in<ObjectPair>(self, which.needs_gil(), [&](const Scene& scene, const auto& visit) {
-    scene.visit_candidate_pairs(margin, visit, {which.get()});
+  const auto pairs = found_in<ObjectPair>(self, which, [&](const Scene& scene, const auto& visit, auto counts) {
+    scene.visit_candidate_pairs(margin, visit, {counts});
   });
   return array_of(pairs, nb::str("uint32"), {pairs.size(), 2});
 }
@@ -82,8 +84,8 @@ IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double 
   const Reading model_guard = reading(object);
   const SingleFilter which(filter);
   const Placed placed(object.body(), pose_from(pose, "pose"));
-  const auto ids = found_in<ObjectId>(self, which.needs_gil(), [&](const Scene& scene, const auto& visit) {
-    scene.visit_candidates(placed, margin, visit, {which.get()});
+  const auto ids = found_in<ObjectId>(self, which, [&](const Scene& scene, const auto& visit, auto counts) {
+    scene.visit_candidates(placed, margin, visit, {counts});
   });
   return array_of(ids, nb::str("uint32"));
 }
@@ -127,12 +129,6 @@ AnyWithinResult any_within_of(SceneObject& self, double max_distance, const Obje
   });
 }
 
-std::vector<ObjectPair> object_pairs_from(nb::handle pairs) {
-  std::vector<ObjectPair> asked;
-  for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
-  return asked;
-}
-
 bool names_no_object(const Scene& scene, std::span<const ObjectPair> pairs) {
   return !std::all_of(pairs.begin(), pairs.end(),
                       [&](const ObjectPair& pair) { return scene.contains(pair.a) && scene.contains(pair.b); });
@@ -140,7 +136,7 @@ bool names_no_object(const Scene& scene, std::span<const ObjectPair> pairs) {
 
 Named<"ManyContacts"> contacts_of_pairs(SceneObject& self, const ArrayLike& pairs, double margin,
                                         std::optional<OrientedFaces> oriented_faces, const BudgetObject* budget) {
-  const std::vector<ObjectPair> asked = object_pairs_from(pairs);
+  const std::vector<ObjectPair> asked = id_pairs_from(pairs, "pairs");
   ObjectContacts found;
   std::deque<Contact> contacts;
   std::vector<std::int64_t> offsets{0};
@@ -168,7 +164,7 @@ template <typename Result, typename Query>
 RecordArray asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject* cache, nb::handle dtype,
                            const BudgetObject* budget, const Query& query) {
   const Used used(cache);
-  const std::vector<ObjectPair> asked = object_pairs_from(pairs);
+  const std::vector<ObjectPair> asked = id_pairs_from(pairs, "pairs");
   return self.read([&](const Scene& scene) {
     const bool is_refused = names_no_object(scene, asked);
     const auto ask = [&](auto part, auto results, const QueryBudget& limits) {
@@ -227,6 +223,15 @@ FloatArray pose_of(SceneObject& self, ObjectId id) {
   return array_of(self.look([&](const Scene& scene) { return scene.object(id).pose; }));
 }
 
+/// Ctrl-C ends it. Pre: the matrix is locked.
+void set_between(ObjectPairMatrix& matrix, std::span<const ObjectId> a, std::span<const ObjectId> b, bool counts) {
+  matrix.set_between(a, {}, counts);  // throws if an id is wrong, before anything is said
+  const auto of_piece = [&](std::size_t begin, std::size_t end) {
+    matrix.set_between(a.subspan(begin, end - begin), b, counts);
+  };
+  in_pieces(a.size(), of_piece, 1 + (std::size_t{1} << 22) / (b.size() + 1));
+}
+
 /// What a pickle keeps of each id: a body and its pose, or None; and whether they are committed.
 nb::tuple reduced(nb::handle_t<SceneObject> self) {
   auto& scene = nb::cast<SceneObject&>(self);
@@ -234,6 +239,7 @@ nb::tuple reduced(nb::handle_t<SceneObject> self) {
   const bool is_committed = scene.read([&](const Scene& read) {
     for (ObjectId id = 0; id < read.id_bound(); ++id) {
       objects.append(read.contains(id) ? nb::object(nb::make_tuple(scene.model(id), pose_of(scene, id))) : nb::none());
+      run_signal_handlers();
     }
     return read.is_committed();
   });
@@ -250,6 +256,7 @@ void restore_scene(SceneObject& self, const nb::tuple& state) {
     const ObjectId id = self.add(nb::handle_t<BodyObject>(is_used ? nb::object(object[0]) : some),
                                  is_used ? nb::object(object[1]) : nb::none());
     if (!is_used) unused.push_back(id);
+    run_signal_handlers();
   }
   for (const ObjectId id : unused) self.remove(id);
   if (nb::cast<bool>(state[1])) self.commit();
@@ -290,13 +297,13 @@ void bind_scene(nb::module_& m) {
       .def(
           "set_among",
           [](ObjectPairMatrix& self, const ArrayLike& ids, bool counts) {
-            self.set_among(ids_from(ids, "ids"), counts);
+            set_between(self, ids_from(ids, "ids"), ids_from(ids, "ids"), counts);
           },
           "ids"_a, "counts"_a, nb::lock_self(), docs::ObjectPairMatrix_set_among)
       .def(
           "set_between",
           [](ObjectPairMatrix& self, const ArrayLike& ids_a, const ArrayLike& ids_b, bool counts) {
-            self.set_between(ids_from(ids_a, "ids_a"), ids_from(ids_b, "ids_b"), counts);
+            set_between(self, ids_from(ids_a, "ids_a"), ids_from(ids_b, "ids_b"), counts);
           },
           "ids_a"_a, "ids_b"_a, "counts"_a, nb::lock_self(), docs::ObjectPairMatrix_set_between)
       .def("__call__", &ObjectPairMatrix::operator(), "a"_a, "b"_a, nb::lock_self(), "Whether a pair counts.");

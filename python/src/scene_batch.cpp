@@ -37,6 +37,7 @@ class SceneBatch {
     scene_.read([&](const Scene& of_ids) {
       counts_.emplace(of_ids.id_bound(), false);
       for (ObjectId b = 0; b < of_ids.id_bound(); ++b) {
+        run_signal_handlers();
         for (ObjectId a = 0; a < b; ++a) {
           if (of_ids.contains(a) && of_ids.contains(b) && (*which.get())(a, b)) counts_->set(a, b, true);
         }

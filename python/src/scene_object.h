@@ -45,7 +45,7 @@ class SceneObject {
     const Reading model_guard = reading(object);
     const auto [entry, is_new] = models_.try_emplace(&object, Shared{nb::borrow(model), 0});
     try {
-      model_of_.reserve(scene_.size() + model_of_.size() + 1);
+      if (model_of_.size() == model_of_.capacity()) model_of_.reserve(2 * model_of_.size() + 1);
       const ObjectId id = scene_.add(Placed(object.body(), placed));
       if (id >= model_of_.size()) model_of_.resize(id + 1, nullptr);
       model_of_[id] = &object;

@@ -68,8 +68,7 @@ RecordArray relations_of(const Surfaces& surfaces, const ArrayLike& pairs, const
     guards.push_back(surface.reading_model());
     placed[i] = PlacedSurface(surface.surface(), standing[i]);
   }
-  std::vector<ObjectPair> asked;
-  for (const auto& [a, b] : id_pairs_from(pairs, "pairs")) asked.push_back({a, b});
+  const std::vector<ObjectPair> asked = id_pairs_from(pairs, "pairs");
   const auto names_surface = [&](std::uint32_t id) { return id < placed.size() && placed[id].has_value(); };
   const bool is_refused = !std::all_of(asked.begin(), asked.end(), [&](const ObjectPair& pair) {
     return names_surface(pair.a) && names_surface(pair.b);

@@ -230,6 +230,42 @@ def test_control_c_ends_long_calls_and_keeps_what_is_done(long_calls: dict[str, 
         assert interrupted.value.count > 0 or name == "Scene.contacts of two"
 
 
+@pytest.fixture(scope="module")
+def copying_calls() -> dict[str, Callable[[], object]]:
+    """Calls that do little but copy arguments or answers, or change a large model."""
+    points, corners = numpy.zeros((1_000_000, 3)), numpy.arange(1_500_000).reshape(-1, 3)
+    poses = numpy.tile(numpy.eye(4), (300_000, 1, 1))
+    corners[-1], poses[-1] = -1, numpy.nan  # errors, unless Ctrl-C comes before
+    tall, ball = limber3d.Model(points, [[0, 1, 2]]), limber3d.Model(*shapes.ball())
+    moving, matrix = limber3d.MovingModel(tall), limber3d.ObjectPairMatrix(6000)
+    records = numpy.zeros(100_000, [(name, limber3d.contact_dtype[name]) for name in limber3d.contact_dtype.names])
+    return {
+        "weld": lambda: limber3d.weld(points, corners),
+        "columns": lambda: limber3d.weld(points[::-1, ::-1], corners),
+        "vertices": lambda: tall.vertices,
+        "collide_many": lambda: limber3d.collide_many(ball, ball, poses),
+        "reduce_contacts": lambda: limber3d.reduce_contacts(records, -1.0),
+        "move_all": lambda: tall.move_all(points[::-1]),
+        "set_motion": lambda: moving.set_motion(points),
+        "set_among": lambda: matrix.set_among(numpy.arange(6000), False),
+    }
+
+
+@pytest.mark.parametrize(
+    "name", "weld columns vertices collide_many reduce_contacts move_all set_motion set_among".split()
+)
+def test_control_c_is_heard_while_arrays_are_copied(copying_calls: dict[str, Any], name: str) -> None:
+    waits = {0.0002, 0.0003, 0.0004}  # one is taken each time that handlers may run; then there is a KeyError
+    before = signal.signal(signal.SIGALRM, lambda *_: signal.setitimer(signal.ITIMER_REAL, waits.pop()))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.0001)
+        with pytest.raises(KeyError):
+            copying_calls[name]()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
 def test_a_call_goes_on_where_the_handler_raises_nothing() -> None:
     corners = numpy.random.default_rng(3).normal(size=(30_000, 3))
     soup, seen = limber3d.Model(corners, numpy.arange(30_000).reshape(-1, 3)), []

@@ -55,9 +55,7 @@ bool AnyWithinSearch::ask_waiting() {
   QueryStats& stats = found_.result.stats;
   for (std::size_t i = 0; i < std::min(first_yes + 1, waiting_.size()); ++i) {
     stats.node_tests += results_[i].stats.node_tests, stats.primitive_tests += results_[i].stats.primitive_tests;
-    if (!scene::ends_all(stopped_by_) && results_[i].stopped_by != StoppedBy::nothing) {
-      stopped_by_ = results_[i].stopped_by;
-    }
+    scene::note(results_[i].stopped_by, stopped_by_);
   }
   if (first_yes < waiting_.size()) {
     found_.objects = waiting_[first_yes];
@@ -77,10 +75,13 @@ AnyWithinResult AnyWithinSearch::run(std::optional<ObjectPairFilter> filter) {
   };
   const double margin = scene::margin_with_error(max_distance_);
   bool goes_on = true;
-  for (std::uint32_t leaf = 0; leaf < scene_.tree.leaf_count() && goes_on; ++leaf) {
+  StoppedBy ended_by = StoppedBy::nothing;  // where few pairs count, nothing else looks at the budget
+  for (std::uint32_t leaf = 0; leaf < scene_.tree.leaf_count() && goes_on && ended_by == StoppedBy::nothing; ++leaf) {
+    if (leaf > 0) ended_by = scene::ended_by(budget_);
     goes_on = scene_.tree.visit_pairs(leaf, margin, visit);
   }
   if (goes_on) ask_waiting();
+  scene::note(ended_by, stopped_by_);
   LIMBER_ASSERT(found_.result.is_yes() == found_.result.witness.has_value());
   if (!found_.result.is_yes()) {
     found_.result.answer = stopped_by_ == StoppedBy::nothing ? Answer::no : Answer::undecided;

@@ -97,9 +97,7 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
     const QueryStats stats{closest.stats.node_tests + results_[i].stats.node_tests,
                            closest.stats.primitive_tests + results_[i].stats.primitive_tests};
     const double lower = std::min(closest.lower, results_[i].lower);
-    if (!scene::ends_all(stopped_by_) && results_[i].stopped_by != StoppedBy::nothing) {
-      stopped_by_ = results_[i].stopped_by;
-    }
+    scene::note(results_[i].stopped_by, stopped_by_);
     if (results_[i].upper < closest.upper) {
       closest = results_[i];
       closest_.objects = pairs_[i];
@@ -149,10 +147,15 @@ ClosestObjectsResult ClosestSearch::among_objects(std::optional<ObjectPairFilter
     return true;
   };
   const std::uint32_t leaves = scene_.tree.leaf_count();
-  for (std::uint32_t leaf = 0; leaf < leaves && closest_.result.upper > 0 && !scene::ends_all(stopped_by_); ++leaf) {
+  StoppedBy ended_by = StoppedBy::nothing;  // where few pairs count, nothing else looks at the budget
+  for (std::uint32_t leaf = 0; leaf < leaves && ended_by == StoppedBy::nothing; ++leaf) {
+    if (closest_.result.upper == 0 || scene::ends_all(stopped_by_)) break;
+    if (leaf > 0) ended_by = scene::ended_by(options_.budget);
     scene_.tree.visit_pairs(leaf, scene::margin_with_error(limit()), visit);
     if (waiting_.size() > most_waiting) ask_waiting();
   }
+  if (ended_by != StoppedBy::nothing) ask_waiting();  // a step is made, if there is one to make
+  scene::note(ended_by, stopped_by_);
   // There may be pairs of which nothing is known.
   if (scene::ends_all(stopped_by_)) closest_.result.lower = 0;
   ask_waiting();
@@ -185,6 +188,8 @@ ClosestObjectsResult ClosestSearch::finish() {
     const bool is_interrupted = stopped_by_ != StoppedBy::nothing && result.upper > most;
     result.stopped_by = is_interrupted ? stopped_by_ : StoppedBy::nothing;
     if (is_interrupted) result.status = DistanceStatus::interrupted;
+  } else if (stopped_by_ != StoppedBy::nothing) {
+    result.status = DistanceStatus::interrupted, result.stopped_by = stopped_by_;
   }
   LIMBER_ASSERT(result.lower <= result.upper);
   return closest_;

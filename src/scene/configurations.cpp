@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Many configurations of one scene.
-#include <chrono>
 #include <limits>
 #include <optional>
 #include <string>
@@ -46,26 +45,19 @@ void check_configurations(const Scene::Impl& scene, const Configurations& all, c
   }
 }
 
-/// What a filter says of every two objects: threads may ask that at the same time.
-std::optional<ObjectPairMatrix> answers_of(const std::optional<ObjectPairFilter>& filter, const Scene::Impl& scene) {
+/// What a filter says of every two objects, of some if the budget has ended: threads may ask that at the same time.
+std::optional<ObjectPairMatrix> answers_of(const std::optional<ObjectPairFilter>& filter, const Scene::Impl& scene,
+                                           const QueryBudget& budget) {
   if (!filter) return std::nullopt;
   ObjectPairMatrix counts(scene.objects.size(), false);
   for (const ObjectId b : scene.ids) {
+    if (scene::ended_by(budget) != StoppedBy::nothing) break;
     for (const ObjectId a : scene.ids) {
       if (a >= b) break;  // ids ascend
       if ((*filter)(a, b)) counts.set(a, b, true);
     }
   }
   return counts;
-}
-
-/// Which limit has ended a call, if one has.
-StoppedBy ended_by(const QueryBudget& budget) {
-  for (const std::atomic<bool>* const flag : {budget.cancel, budget.abandon}) {
-    if (flag != nullptr && flag->load(std::memory_order_relaxed)) return StoppedBy::cancel;
-  }
-  const bool is_late = budget.deadline && std::chrono::steady_clock::now() >= *budget.deadline;
-  return is_late ? StoppedBy::deadline : StoppedBy::nothing;
 }
 
 /// Sets results[k] to ask(scene in configuration k), or to what left_out() says once the budget has ended.
@@ -75,7 +67,7 @@ void ask_configurations(const Scene::Impl& scene, const Configurations& all, con
   base::parallel_for_ranges(all.count, configurations_per_task, [&](std::size_t begin, std::size_t end) {
     Scene::Impl own = scene;
     for (std::size_t k = begin; k < end; ++k) {
-      const StoppedBy stopped_by = ended_by(budget);
+      const StoppedBy stopped_by = scene::ended_by(budget);
       if (stopped_by != StoppedBy::nothing) {
         results[k] = left_out(stopped_by);
         continue;
@@ -99,7 +91,7 @@ void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const 
   check_configurations(scene, all, function);
   base::check_options(DistanceOptions{options.relative_error, options.absolute_error, options.max_distance}, function);
   LIMBER_REQUIRE(options.cache == nullptr, "limber::Scene::closest_objects_many: takes no cache");
-  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene);
+  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene, options.budget);
   ClosestObjectsOptions of_each = options;
   if (counts) of_each.filter = *counts;
   ask_configurations(
@@ -121,7 +113,7 @@ void Scene::any_within_many(std::span<const ObjectId> ids, std::span<const Trans
   check_configurations(scene, all, "limber::Scene::any_within_many");
   LIMBER_REQUIRE(base::is_finite_and_not_negative(max_distance),
                  "limber::Scene::any_within_many: max_distance must be finite and at least 0");
-  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene);
+  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene, options.budget);
   AnyWithinOptions of_each = options;
   if (counts) of_each.filter = *counts;
   ask_configurations(

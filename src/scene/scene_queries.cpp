@@ -31,12 +31,14 @@ void check_pairs(const Scene::Impl& scene, std::span<const ObjectPair> pairs, st
   }
 }
 
-/// Calls ask(i, a, b, cache) for each pair i of objects a and b.
-template <typename Ask>
-void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, SceneCache* cache, const Ask& ask) {
+/// Calls ask(i, a, b, cache) for each pair i of objects a and b, unless nobody wants the answers any more.
+template <typename Options, typename Ask>
+void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, const Options& options, const Ask& ask) {
   std::span<QueryCache* const> caches;
-  if (cache != nullptr) caches = Access::impl(*cache).caches_of(pairs);
+  if (options.cache != nullptr) caches = Access::impl(*options.cache).caches_of(pairs);
+  const std::atomic<bool>* const abandon = options.budget.abandon;
   base::parallel_for(pairs.size(), scene::pairs_per_task, [&](std::size_t i) {
+    if (abandon != nullptr && abandon->load(std::memory_order_relaxed)) return;
     ask(i, scene.placed(pairs[i].a), scene.placed(pairs[i].b), caches.empty() ? nullptr : caches[i]);
   });
 }
@@ -60,7 +62,7 @@ void Scene::collide(std::span<const ObjectPair> pairs, std::span<CollideResult> 
                     const SceneQueryOptions& options) const {
   const Impl& scene = impl("collide");
   check_pairs(scene, pairs, results.size());
-  ask_each(scene, pairs, options.cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+  ask_each(scene, pairs, options, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
     results[i] = limber::collide(a, b, {.cache = cache, .budget = options.budget});
   });
 }
@@ -70,7 +72,7 @@ void Scene::within(std::span<const ObjectPair> pairs, double max_distance, std::
   const Impl& scene = impl("within");
   check_pairs(scene, pairs, results.size());
   base::check_max_distance(max_distance);
-  ask_each(scene, pairs, options.cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+  ask_each(scene, pairs, options, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
     results[i] = limber::within(a, b, max_distance, {.cache = cache, .budget = options.budget});
   });
 }
@@ -82,7 +84,7 @@ void Scene::distance(std::span<const ObjectPair> pairs, std::span<DistanceResult
   const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
                                 options.budget};
   base::check_options(of_pair, "limber::Scene::distance");
-  ask_each(scene, pairs, options.cache, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+  ask_each(scene, pairs, options, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
     DistanceOptions with_cache = of_pair;
     with_cache.cache = cache;
     results[i] = limber::distance(a, b, with_cache);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <limits>
 
@@ -29,6 +31,20 @@ AnyWithinResult find_any_within(const Scene::Impl& scene, double max_distance, c
 /// Whether a budget ends all queries that share it, not one of them alone.
 inline bool ends_all(StoppedBy stopped_by) {
   return stopped_by == StoppedBy::deadline || stopped_by == StoppedBy::cancel;
+}
+
+/// Which limit has ended a call, if one has.
+inline StoppedBy ended_by(const QueryBudget& budget) {
+  for (const std::atomic<bool>* const flag : {budget.cancel, budget.abandon}) {
+    if (flag != nullptr && flag->load(std::memory_order_relaxed)) return StoppedBy::cancel;
+  }
+  const bool is_late = budget.deadline && std::chrono::steady_clock::now() >= *budget.deadline;
+  return is_late ? StoppedBy::deadline : StoppedBy::nothing;
+}
+
+/// Takes into account what has stopped a part of a search, if anything has: what ends all stays.
+inline void note(StoppedBy part, StoppedBy& search) {
+  if (!ends_all(search) && part != StoppedBy::nothing) search = part;
 }
 
 }  // namespace limber::scene

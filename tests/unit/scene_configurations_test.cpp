@@ -358,6 +358,23 @@ TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
   EXPECT_GT(interrupted, 80U);
 }
 
+TEST(SceneBudgets, EndSearchesWhereNoPairCounts) {
+  Rng rng(8310);
+  const Plan plan(rng, 200, 0, 0, 1);
+  const std::atomic<bool> stop = true;
+  for (const QueryBudget& budget :
+       {QueryBudget{.deadline = Clock::now()}, QueryBudget{.cancel = &stop}, QueryBudget{.abandon = &stop}}) {
+    std::size_t calls = 0;
+    const auto none = [&](ObjectId, ObjectId) { return ++calls, false; };
+    const auto [objects, result] = plan.scene.closest_objects({.filter = none, .budget = budget});
+    EXPECT_EQ(result.status, DistanceStatus::interrupted);
+    EXPECT_TRUE(objects == ObjectPair{} && !result.witness && result.lower == 0 && result.upper == INFINITY);
+    const AnyWithinResult any = plan.scene.any_within(100, {.filter = none, .budget = budget});
+    EXPECT_EQ(any.result.answer, Answer::undecided);
+    EXPECT_LT(calls, 200U * 199 / 4);  // of both searches: of each there are as many as pairs
+  }
+}
+
 TEST(SceneBudgets, EndQueriesOfPairs) {
   Rng rng(8309);
   const Plan plan(rng, 40, 0, 0, 4);
