@@ -238,7 +238,8 @@ def copying_calls() -> dict[str, Callable[[], object]]:
     corners[-1], poses[-1] = -1, numpy.nan  # errors, unless Ctrl-C comes before
     tall, ball = limber3d.Model(points, [[0, 1, 2]]), limber3d.Model(*shapes.ball())
     moving, matrix = limber3d.MovingModel(tall), limber3d.ObjectPairMatrix(6000)
-    records = numpy.zeros(100_000, [(name, limber3d.contact_dtype[name]) for name in limber3d.contact_dtype.names])
+    dtype = limber3d.contact_dtype
+    records = numpy.zeros(100_000, [(name, dtype[name]) for name in dtype.names or ()])  # laid out as others do
     return {
         "weld": lambda: limber3d.weld(points, corners),
         "columns": lambda: limber3d.weld(points[::-1, ::-1], corners),
