@@ -239,6 +239,28 @@ TEST_F(Formats, binary_ply_may_interleave_other_properties_and_narrow_indices) {
   }
 }
 
+TEST_F(Formats, ply_coordinates_may_be_integers) {
+  const std::string head =
+      " 1.0\nelement vertex 3\nproperty int x\nproperty uint y\nproperty int8 z\nelement face 1\n"
+      "property list uchar uchar vertex_index\nend_header\n";
+  const std::vector<Vec3> expected = {{-2147483648.0, 4294967295.0, -128}, {1, 0, 127}, {-1, 2147483648.0, -1}};
+  for (const std::string encoding : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    std::string bytes = "ply\nformat " + encoding + head;
+    for (const auto& [x, y, z] : expected) {
+      append(bytes, static_cast<std::int32_t>(x), encoding == "binary_big_endian");
+      append(bytes, static_cast<std::uint32_t>(y), encoding == "binary_big_endian");
+      append(bytes, static_cast<std::int8_t>(z));
+    }
+    bytes += std::string("\3\0\1\2", 4);
+    if (encoding == "ascii") {
+      bytes = "ply\nformat ascii" + head + "-2147483648 4294967295 -128\n1 0 127\n-1 2147483648 -1\n3 0 1 2\n";
+    }
+    const Result<MeshFile> file = read("a.ply", bytes);
+    ASSERT_TRUE(file) << file.error().text;
+    EXPECT_EQ(file->mesh.positions(), expected) << encoding;
+  }
+}
+
 TEST_F(Formats, text_stl_may_hold_several_solids_and_capitals) {
   std::string capitals = tetrahedron_stl_text();
   for (char& c : capitals) c = static_cast<char>(std::toupper(c));
