@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Based on [Meisters1975]: a simple polygon that is no triangle has two ears.
 // Differs  Corners may lie on straight lines and be visited twice, as by a cut that leads to a hole. Positions equal to
-//          a corner of the ear do not spoil it; every other one on its border does, so no corner ends inside an edge. Where the face comes to one of its edges
-//          from inside, no ear may be left: the edge and the corner there part the face.
+//          a corner of the ear do not spoil it; every other one on its border does, so no corner ends inside an edge.
+//          Where the face comes to one of its edges from inside, no ear may be left: edge and corner part the face.
 #include "io/polygon_triangles.h"
 
 #include <algorithm>

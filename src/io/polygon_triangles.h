@@ -22,8 +22,8 @@ class PolygonTriangles {
 
   /// Corners of triangles as indices into `face`, three each. A face is looked at in the coordinate plane that its
   /// normal is closest to. Where the fan of its first corner stays in the face, this is it; otherwise it is cut into
-  /// ears, decided exactly. Corners may repeat or lie within edges, so a face may touch itself there or go back along its
-  /// edges. Faces that cross themselves or have no area are cut in some way.
+  /// ears, decided exactly. Corners may repeat or lie within edges, so a face may touch itself there or go back along
+  /// its edges. Faces that cross themselves or have no area are cut in some way.
   ///
   /// Errors   `too_large` naming the face, once all faces together have taken `mesh_file_limits::corner_tests`.
   Result<std::span<const std::uint32_t>> split(std::span<const std::uint32_t> face, std::size_t number);

@@ -139,10 +139,14 @@ TEST(ProgramTolerances, AcceptedPairsAreToldAndDoNotCount) {
     EXPECT_EQ(report.outcome.exit_code, exit_code) << lines;
     EXPECT_EQ(report.outcome.err.find(warning) != std::string::npos, true) << report.outcome.err;
     EXPECT_EQ(report.outcome.err.empty(), warning.empty());
-    std::string found;
+    std::string found, in_page;
     for (const Row& row : table_of(report.outcome.out)) {
       found += (row.at("accepted").empty() ? "-" : row.at("accepted")) + ' ';
     }
+    for (const auto& line : report.data["study"]["rows"]["accepted"]) {
+      in_page += (line.is_null() ? "-" : line.dump()) + ' ';
+    }
+    EXPECT_EQ(in_page, found);
     return found + report.data["study"]["accepted"].dump() + ' ' + report.data["study"]["too_close"].dump();
   };
   // plate_1 touches bolt_a, is 0.5 from bolt_b; the bolts overlap.

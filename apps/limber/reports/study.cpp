@@ -65,6 +65,7 @@ void Study::add(std::size_t number, const PartPair& pair, const DistanceAnswer& 
   Json json;
   json["row"] = number;
   append_answer(json, answer);
+  json["accepted"] = program::to_json(accepted);
   json["a"] = pair[0];
   json["b"] = pair[1];
   json["witness"] = json_of_witness(answer.witness);

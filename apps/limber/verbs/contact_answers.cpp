@@ -195,7 +195,8 @@ is closed, or the faces do not tell. point_a and point_b are closest points, and
 intersect; lengths are in the meshes' unit. feature_a and feature_b are the parts of the triangles that
 these points lie on: "vertex 0" to "vertex 2"; "edge 0" to "edge 2", where edge 0 goes from vertex 0 to vertex 1; or
 "face". Triangles count from 0 in the file's order, after larger faces have been split into fans; face_a and face_b are
-the file's own, counted from 0. Where a file has several parts, part_a and part_b come last and name theirs. Times are in microseconds. Columns of CSV:
+the file's own, counted from 0. Where a file has several parts, part_a and part_b come last and name theirs. Times are
+in microseconds. Columns of CSV:
 
 {}
 
