@@ -122,7 +122,8 @@ bool PolygonTriangles::cut_touching(std::uint32_t& corner, std::uint32_t& left) 
       if (is_convex_[d] || p[u] < low[u] || p[u] > high[u] || p[w] < low[w] || p[w] > high[w]) continue;
       if (turn(a, b, d) != 0 || are_equal(d, a) || are_equal(d, b)) continue;
       const int before = turn(a, b, prev_[d]), after = turn(a, b, next_[d]);
-      if (before < 0 || after < 0 || before + after == 0) continue;
+      const bool is_spike = prev_[d] == b || next_[d] == a;  // there and back
+      if (before < 0 || after < 0 || (before + after == 0 && !is_spike)) continue;
       triangles_.insert(triangles_.end(), {a, b, d});
       Ring smaller = {b, prev_[d], size}, larger = {next_[d], a, left - size + 1};
       if (smaller.size > larger.size) std::swap(smaller, larger);

@@ -132,6 +132,7 @@ TEST_F(Polygons, become_triangles_that_stay_inside_wherever_they_start) {
   check({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, true);
   check({{0, 0}, {2, 1}, {4, 0}, {2, 4}}, true);
   check({{2, 2}, {0, 2}, {0, 0}, {1, 0}, {0, 1}, {1, 2}, {2, 1}}, true);
+  check({{1, 0}, {0, 2}, {1, 1}, {0, 3}, {2, 2}, {1, 3}, {3, 2}, {3, 3}, {0, 3}, {0, 0}}, true);
   for (int arms = 2; arms < 13; ++arms) check(spiral(arms), true);
   for (std::size_t round = 0; round < 300; ++round) {
     Polygon polygon;
