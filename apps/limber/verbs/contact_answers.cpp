@@ -144,16 +144,13 @@ void write_count_line(const FoundContacts& found) {
 void write_table(const FoundContacts& found, std::size_t row_count) {
   row_count = std::min(row_count, found.first.size());
   if (row_count == 0) return;
-  const bool is_short = found.detail == ContactDetail::ids;
-  const auto line = [&, width = is_short ? 22 : 70](const std::string& row, const std::string& parts) {
-    write_line("{}", found.has_parts ? fmt::format("{:<{}}  {}", row, width, parts) : row);
-  };
-  write_line("");
-  line(is_short ? "triangle a  triangle b" : "triangle a  triangle b      distance         depth  features", "parts");
+  const char* const others = found.detail == ContactDetail::ids ? "" : "      distance         depth  features";
+  write_line("\ntriangle a  triangle b{}{}", others, found.has_parts ? "; parts" : "");
+  const auto name_of = [](const std::string* part) { return part != nullptr ? *part : "-"; };
   for (std::size_t i = 0; i < row_count; ++i) {
     const FoundContact& contact = found.first[i];
-    const auto name_of = [](const std::string* part) { return part != nullptr ? *part : "-"; };
-    line(table_row(contact, found.detail), name_of(contact.part_a) + ", " + name_of(contact.part_b));
+    const std::string parts = "; " + name_of(contact.part_a) + ", " + name_of(contact.part_b);
+    write_line("{}{}", table_row(contact, found.detail), found.has_parts ? parts : "");
   }
   if (row_count < found.count) write_line("and {} more", found.count - row_count);
 }
