@@ -56,9 +56,8 @@ Result<void> check_vertices(const PlyElement& element) {
   for (const char* axis : {"x", "y", "z"}) {
     const auto is_axis = [&](const PlyProperty& property) { return property.name == axis; };
     const auto found = std::find_if(element.properties.begin(), element.properties.end(), is_axis);
-    if (std::count_if(element.properties.begin(), element.properties.end(), is_axis) != 1 || found->size_type ||
-        !found->type.is_float) {
-      return malformed(std::string("has no vertex coordinate ") + axis + " of type float or double");
+    if (std::count_if(element.properties.begin(), element.properties.end(), is_axis) != 1 || found->size_type) {
+      return malformed(std::string("has no vertex coordinate ") + axis + " that is one number");
     }
   }
   return {};

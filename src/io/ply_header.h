@@ -46,7 +46,7 @@ struct PlyHeader {
 
 /// Takes the header off the front of `rest`.
 ///
-/// Promise  There is one element of vertices, with one x, y and z each of a float type, and at most one of faces or
+/// Promise  There is one element of vertices, with one number x, y and z each, and at most one of faces or
 ///          strips, with one list of integer vertex indices. The header's names refer to the file's bytes.
 Result<PlyHeader> take_ply_header(std::string_view& rest);
 

@@ -3,10 +3,12 @@
 // Based on [Meisters1975]: a simple polygon that is no triangle has two ears.
 // Differs  Corners may lie on straight lines and be visited twice, as by a cut that leads to a hole. Positions equal to
 //          a corner of the ear do not spoil it; every other one on its border does, so no corner ends inside an edge.
+//          Where the face comes to one of its edges from inside, no ear may be left: edge and corner part the face.
 #include "io/polygon_triangles.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/check.h"
 #include "limber/geometry.h"
@@ -103,8 +105,45 @@ bool PolygonTriangles::is_ear(std::uint32_t corner) {
   return true;
 }
 
+bool PolygonTriangles::cut_touching(std::uint32_t& corner, std::uint32_t& left) {
+  struct Ring {
+    std::uint32_t first, last, size;  // with the touching corner, which is in both rings
+  };
+  const std::size_t u = (axis_ + 1) % 3, w = (axis_ + 2) % 3;
+  std::uint32_t a = corner;
+  for (std::uint32_t edge = 0; edge < left; ++edge, a = next_[a]) {
+    const std::uint32_t b = next_[a];
+    const Vec3 low = min(positions_[face_[a]], positions_[face_[b]]);
+    const Vec3 high = max(positions_[face_[a]], positions_[face_[b]]);
+    std::uint32_t size = 2;
+    for (std::uint32_t d = next_[b]; d != a; d = next_[d], ++size) {
+      if (++test_count_ > mesh_file_limits::corner_tests) return false;
+      const Vec3& p = positions_[face_[d]];
+      if (is_convex_[d] || p[u] < low[u] || p[u] > high[u] || p[w] < low[w] || p[w] > high[w]) continue;
+      if (turn(a, b, d) != 0 || are_equal(d, a) || are_equal(d, b)) continue;
+      const int before = turn(a, b, prev_[d]), after = turn(a, b, next_[d]);
+      const bool is_spike = prev_[d] == b || next_[d] == a;  // there and back
+      if (before < 0 || after < 0 || (before + after == 0 && !is_spike)) continue;
+      triangles_.insert(triangles_.end(), {a, b, d});
+      Ring smaller = {b, prev_[d], size}, larger = {next_[d], a, left - size + 1};
+      if (smaller.size > larger.size) std::swap(smaller, larger);
+      const auto close = [&](const Ring& ring) {
+        next_[d] = ring.first, prev_[d] = ring.last;
+        prev_[ring.first] = next_[ring.last] = d;
+        is_convex_[d] = turn(ring.last, d, ring.first) > 0;
+      };
+      close(smaller);
+      cut_ring(d, smaller.size);
+      close(larger);
+      corner = d, left = larger.size;
+      return true;
+    }
+  }
+  return false;
+}
+
 void PolygonTriangles::cut_ears() {
-  auto left = static_cast<std::uint32_t>(face_.size());
+  const auto left = static_cast<std::uint32_t>(face_.size());
   next_.resize(left);
   prev_.resize(left);
   is_convex_.resize(left);
@@ -113,13 +152,20 @@ void PolygonTriangles::cut_ears() {
     prev_[i] = i > 0 ? i - 1 : left - 1;
     is_convex_[i] = turn(prev_[i], i, next_[i]) > 0;
   }
-  std::uint32_t corner = 0;
+  cut_ring(0, left);
+}
+
+void PolygonTriangles::cut_ring(std::uint32_t corner, std::uint32_t left) {
   for (std::uint32_t passed = 0; left > 2 && test_count_ <= mesh_file_limits::corner_tests;) {
     // A face that neither crosses nor touches itself always has an ear. Without one some corner is cut off.
     if (left > 3 && passed < left && !is_ear(corner)) {
       corner = next_[corner];
       ++passed;
       ++test_count_;
+      continue;
+    }
+    if (left > 3 && passed == left && cut_touching(corner, left)) {
+      passed = 0;
       continue;
     }
     const std::uint32_t before = prev_[corner], after = next_[corner];

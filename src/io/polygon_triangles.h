@@ -22,8 +22,8 @@ class PolygonTriangles {
 
   /// Corners of triangles as indices into `face`, three each. A face is looked at in the coordinate plane that its
   /// normal is closest to. Where the fan of its first corner stays in the face, this is it; otherwise it is cut into
-  /// ears, decided exactly. Corners may repeat, so a face may touch itself there or go back along its edges. Faces that
-  /// cross themselves or have no area are cut in some way, and so may be those that touch themselves within an edge.
+  /// ears, decided exactly. Corners may repeat or lie within edges, so a face may touch itself there or go back along
+  /// its edges. Faces that cross themselves or have no area are cut in some way.
   ///
   /// Errors   `too_large` naming the face, once all faces together have taken `mesh_file_limits::corner_tests`.
   Result<std::span<const std::uint32_t>> split(std::span<const std::uint32_t> face, std::size_t number);
@@ -38,6 +38,11 @@ class PolygonTriangles {
   /// Whether the triangle at a corner is in the face: a convex corner, and no other corner is in it or on it.
   bool is_ear(std::uint32_t corner);
   void cut_ears();
+  /// Cuts what is left of a ring of so many corners, one of which is given.
+  void cut_ring(std::uint32_t corner, std::uint32_t left);
+  /// Cuts off an edge, and a corner that comes to it from inside of the face, as a triangle without area. This parts
+  /// the ring in two, of which it cuts the smaller one and leaves the other. Whether there is such a corner.
+  bool cut_touching(std::uint32_t& corner, std::uint32_t& left);
 
   std::span<const Vec3> positions_;
   std::span<const std::uint32_t> face_;

@@ -53,6 +53,10 @@ class PlyReader {
     const std::string_view raw = take(type);
     if (is_text_) return integer<std::int64_t>(raw);
     if (raw.empty()) return {};
+    return integer_of(raw, type);
+  }
+
+  std::int64_t integer_of(std::string_view raw, PlyType type) const {
     LIMBER_ASSERT(!type.is_float && raw.size() <= 4);
     const auto value = static_cast<std::int64_t>(unsigned_number(raw, byte_order_));  // of at most 32 bits
     const std::int64_t sign = std::int64_t{1} << (8 * raw.size() - 1);
@@ -97,7 +101,8 @@ class PlyReader {
           if (value.kind != NumberKind::finite) return bad_coordinate(raw, value.kind, vertex);
           coordinate = value.value;
         } else {
-          coordinate = float_number(raw, byte_order_);
+          coordinate = property.type.is_float ? float_number(raw, byte_order_)
+                                              : static_cast<double>(integer_of(raw, property.type));
         }
       }
       soup_.positions.push_back(position);

@@ -202,7 +202,7 @@ TEST_F(Formats, ply_properties_and_elements_without_geometry_are_passed_over) {
            "ply\r\ncomment before the format\r\nformat ascii 1.0\r\n\r\nobj_info 7\r\n"
            "element camera 1\r\nproperty list uchar float values\r\n"
            "element vertex 3\r\nproperty float nx\r\nproperty uchar red\r\nproperty uchar g\r\n"
-           "property float green\r\nproperty uchar blue\r\nproperty double z\r\n"
+           "property float green\r\nproperty uchar blue\r\nproperty int z\r\n"
            "property float y\r\nproperty float64 x\r\nproperty list uint8 int8 tags\r\n"
            "element face 2\r\nproperty list uchar float texcoord\r\n"
            "property list uint16 ushort vertex_index\r\nproperty int flags\r\n"
@@ -215,27 +215,28 @@ TEST_F(Formats, ply_properties_and_elements_without_geometry_are_passed_over) {
   EXPECT_EQ(file->mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {2, 1, 0}}));
 }
 
-TEST_F(Formats, binary_ply_may_interleave_other_properties_and_narrow_indices) {
+TEST_F(Formats, binary_ply_may_have_integers_between_other_properties_and_narrow_indices) {
   for (const bool big_endian : {false, true}) {
     std::string bytes = std::string("ply\nformat binary_") + (big_endian ? "big" : "little") +
-                        "_endian 1.0\nelement vertex 3\nproperty uchar red\nproperty float x\nproperty short s\n"
-                        "property double y\nproperty list int double extra\nproperty float z\n"
+                        "_endian 1.0\nelement vertex 3\nproperty uchar red\nproperty int x\nproperty short s\n"
+                        "property double y\nproperty list int double extra\nproperty uchar z\n"
                         "element face 1\nproperty uchar flag\nproperty list ushort short vertex_indices\nend_header\n";
     for (const double d : {0.0, 1.0, 2.0}) {
       append(bytes, std::uint8_t{255});
-      append(bytes, static_cast<float>(d), big_endian);
+      append(bytes, static_cast<std::int32_t>(d - 0x1p31), big_endian);
       append(bytes, std::int16_t{-1}, big_endian);
       append(bytes, 0.1 * d * d, big_endian);
       append(bytes, std::int32_t{1}, big_endian);
       append(bytes, 7.0, big_endian);
-      append(bytes, -0.25F, big_endian);
+      append(bytes, std::uint8_t{255});
     }
     append(bytes, std::uint8_t{1});
     append(bytes, std::uint16_t{3}, big_endian);
     for (const std::int16_t v : {std::int16_t{0}, std::int16_t{1}, std::int16_t{2}}) append(bytes, v, big_endian);
     const Result<MeshFile> file = read("a.ply", bytes);
     ASSERT_TRUE(file) << file.error().text;
-    EXPECT_EQ(file->mesh.positions(), (std::vector<Vec3>{{0, 0, -0.25}, {1, 0.1, -0.25}, {2, 0.1 * 4, -0.25}}));
+    EXPECT_EQ(file->mesh.positions(),
+              (std::vector<Vec3>{{-0x1p31, 0, 255}, {1 - 0x1p31, 0.1, 255}, {2 - 0x1p31, 0.1 * 4, 255}}));
   }
 }
 

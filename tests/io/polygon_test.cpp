@@ -117,11 +117,19 @@ TEST_F(Polygons, become_triangles_that_stay_inside_wherever_they_start) {
   std::mt19937 random(11);
   check({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, true);
   check({{0, 0}, {2, 1}, {4, 0}, {2, 4}}, true);
+  check({{2, 2}, {0, 2}, {0, 0}, {1, 0}, {0, 1}, {1, 2}, {2, 1}}, true);
+  check({{1, 0}, {0, 2}, {1, 1}, {0, 3}, {2, 2}, {1, 3}, {3, 2}, {3, 3}, {0, 3}, {0, 0}}, true);
   for (int arms = 2; arms < 13; ++arms) check(spiral(arms), true);
-  for (std::size_t round = 0; round < 200; ++round) {
+  for (std::size_t round = 0; round < 300; ++round) {
     Polygon polygon;
     for (const auto& corner : glued_triangles(random)) {
       polygon.insert(polygon.end(), 1 + random() % (1 + round % 3), corner);
+    }
+    for (std::size_t i = 1; round % 2 == 0 && i + 1 < polygon.size(); ++i) {  // corners where it goes straight on
+      const auto &p = polygon[i - 1], &q = polygon[i], &r = polygon[i + 1];
+      const int x0 = q[0] - p[0], y0 = q[1] - p[1], x1 = r[0] - q[0], y1 = r[1] - q[1];
+      const bool is_straight = x0 * y1 == y0 * x1 && x0 * x1 + y0 * y1 > 0 && polygon.size() > 4;
+      if (is_straight) polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(i--));
     }
     check(polygon, true);
   }

@@ -146,6 +146,26 @@ TEST(ProgramDistance, FacesAreThoseOfTheFile) {
   EXPECT_EQ(point_of(pair["normal"]), (Vec3{0, 1, 0}));
 }
 
+TEST(ProgramDistance, PartsOfAFileAreNamedInAnswersToOnePair) {
+  const Folder folder;
+  const std::string many = folder.store(
+      "many.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\no left\nf 1 2 3\no right\nf 4 5 6\n");
+  const std::string both = many + ' ' + folder.store("one.obj", "v 5 0 0\nv 6 0 0\nv 5 1 0\no only\nf 1 2 3\n");
+  for (const std::string question : {"distance ", "collide ", "within --max-distance 2 ", "contacts --margin 2 ",
+                                     "contacts --closest 1 ", "contacts --intersections "}) {
+    const nlohmann::json json = json_of(question + both);
+    const nlohmann::json found = json.contains("witness") ? json["witness"] : json["pairs"][0];
+    EXPECT_EQ(found["part_a"], "right") << question;
+    EXPECT_TRUE(found["part_b"].is_null()) << question;
+    const std::string text = answer_to(question + both);
+    EXPECT_EQ(count_of("face 1, part right\n", text) + count_of("; right, -\n", text), 1U) << text;
+  }
+  EXPECT_EQ(json_of("self " + many)["distance"]["witness"]["part_b"], "right");
+  EXPECT_EQ(table_of(answer_to("contacts --margin 2 --out - " + both)).at(0).at("part_a"), "right");
+  const std::string pairs = folder.store("pairs.csv", "model_a,model_b\n" + many + ",scene:ball\n");
+  EXPECT_EQ(keys_of(json_rows_of("distance --pairs " + pairs).at(0)["witness"]), witness_keys);  // as in the columns
+}
+
 TEST(ProgramCollide, SaysYesWithAPointOnBoth) {
   const nlohmann::json json = json_of("collide" + raised_ball + "0,0,5,1,0,0,0 --pose-b 0,0,4.5,1,0,0,0");
   EXPECT_EQ(keys_of(json),

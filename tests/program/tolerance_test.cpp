@@ -139,10 +139,14 @@ TEST(ProgramTolerances, AcceptedPairsAreToldAndDoNotCount) {
     EXPECT_EQ(report.outcome.exit_code, exit_code) << lines;
     EXPECT_EQ(report.outcome.err.find(warning) != std::string::npos, true) << report.outcome.err;
     EXPECT_EQ(report.outcome.err.empty(), warning.empty());
-    std::string found;
+    std::string found, in_page;
     for (const Row& row : table_of(report.outcome.out)) {
       found += (row.at("accepted").empty() ? "-" : row.at("accepted")) + ' ';
     }
+    for (const auto& line : report.data["study"]["rows"]["accepted"]) {
+      in_page += (line.is_null() ? "-" : line.dump()) + ' ';
+    }
+    EXPECT_EQ(in_page, found);
     return found + report.data["study"]["accepted"].dump() + ' ' + report.data["study"]["too_close"].dump();
   };
   // plate_1 touches bolt_a, is 0.5 from bolt_b; the bolts overlap.
@@ -153,6 +157,12 @@ TEST(ProgramTolerances, AcceptedPairsAreToldAndDoNotCount) {
   expect_refused(
       "distance --parts " + parts + " --accept " + folder.store("bad.csv", "name_a,name_b,allowed\na,b,al\n"),
       "line 2: column allowed: must be touching or all, not 'al'");
+  for (const std::string column : {"permitted", "alowed", ""}) {
+    expect_refused(
+        "distance --parts " + parts + " --accept " + folder.store("bad.csv", "name_a,name_b," + column + "\n*,*,all\n"),
+        "bad.csv: line 1: no column is called '" + column +
+            "'; the first row names the columns: name_a,name_b,allowed");
+  }
 }
 
 TEST(ProgramParts, OfOneFileAreThoseOfManyFiles) {

@@ -151,7 +151,9 @@ class Columns {
     }
     for (const std::string& name : names) {
       const bool is_known = std::find(format.columns.begin(), format.columns.end(), name) != format.columns.end();
-      const std::optional<std::string> meant = is_known ? std::nullopt : nearest(name, missing);
+      if (is_known) continue;
+      if (format.is_complete) throw BadInput(fmt::format("no column is called '{}'{}", shown(name), format.hint));
+      const std::optional<std::string> meant = nearest(name, missing);
       if (meant) throw BadInput(fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
     }
     for (std::size_t c = 0; c < format.required_count; ++c) {

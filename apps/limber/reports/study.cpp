@@ -27,9 +27,8 @@ constexpr std::array row_names = {"a",       "b",        "status",       "lower"
 /// Both points, then triangles and faces: of a, of b.
 Json json_of_witness(const std::optional<FoundWitness>& witness) {
   if (!witness) return nullptr;
-  const auto& [found, face_a, face_b] = *witness;
-  const auto& [a, b, triangle_a, triangle_b] = found;
-  return {a.x, a.y, a.z, b.x, b.y, b.z, triangle_a, triangle_b, face_a, face_b};
+  const auto& [a, b, triangle_a, triangle_b] = witness->witness;
+  return {a.x, a.y, a.z, b.x, b.y, b.z, triangle_a, triangle_b, witness->face_a, witness->face_b};
 }
 
 Json json_of_model(const std::string& file, const RigidModel& model) {
@@ -66,6 +65,7 @@ void Study::add(std::size_t number, const PartPair& pair, const DistanceAnswer& 
   Json json;
   json["row"] = number;
   append_answer(json, answer);
+  json["accepted"] = program::to_json(accepted);
   json["a"] = pair[0];
   json["b"] = pair[1];
   json["witness"] = json_of_witness(answer.witness);

@@ -41,7 +41,8 @@ bool is_touching(const DistanceAnswer& answer) {
 
 AcceptedPairs::AcceptedPairs(std::string path) : path_(std::move(path)) {
   if (path_.empty()) return;
-  const CsvFormat format{"pair", accept_columns, 2, true, "; the first row names the columns: name_a,name_b,allowed"};
+  const CsvFormat format{"pair", accept_columns, 2, true, "; the first row names the columns: name_a,name_b,allowed",
+                         true};
   read_csv(path_, format, [&](const std::vector<std::string>& fields, std::size_t line) {
     const std::string& allowed = fields[2];
     if (allowed != "all" && allowed != "touching" && !allowed.empty()) {

@@ -14,11 +14,11 @@ namespace limber::program {
 
 /// The help about the file.
 inline constexpr const char* accept_help = R"(
-A file for --accept has the columns name_a and name_b, and where you want it allowed. Names are patterns of the names in
-the answer, in either order: * stands for any characters, ? for one. What is allowed is touching, which is meant where
-nothing is said, or all: hard clashes too. The column accepted of the answer tells the first line that accepts a pair,
-which otherwise would be touching or worse. Accepted pairs keep their clash, but do not change the exit code. Lines that
-accept nothing are warned of.
+A file for --accept has the columns name_a and name_b, where you want it allowed, and no others. Names are patterns of
+the names in the answer, in either order: * stands for any characters, ? for one. What is allowed is touching, which is
+meant where nothing is said, or all: hard clashes too. The column accepted of the answer tells the first line that
+accepts a pair, which otherwise would be touching or worse. Accepted pairs keep their clash, but do not change the exit
+code. Lines that accept nothing are warned of.
 
   name_a,name_b,allowed
   bolt_*,plate_*,touching

@@ -9,10 +9,16 @@
 
 namespace limber::program {
 
+void append_parts(Json& json, const std::string* a, const std::string* b) {
+  if (a == nullptr && b == nullptr) return;
+  json["part_a"] = a != nullptr ? Json(*a) : Json(nullptr);
+  json["part_b"] = b != nullptr ? Json(*b) : Json(nullptr);
+}
+
 Json to_json(const std::optional<FoundWitness>& witness) {
   if (!witness) return nullptr;
-  const auto& [found, face_a, face_b] = *witness;
-  return {
+  const auto& [found, face_a, face_b, part_a, part_b] = *witness;
+  Json json = {
       {"point_a", to_json(found.point_a)},
       {"point_b", to_json(found.point_b)},
       {"triangle_a", found.triangle_a},
@@ -20,15 +26,18 @@ Json to_json(const std::optional<FoundWitness>& witness) {
       {"face_a", face_a},
       {"face_b", face_b},
   };
+  append_parts(json, part_a, part_b);
+  return json;
 }
 
 void write_lines(const std::optional<FoundWitness>& witness) {
   if (!witness) return;
-  const auto& [found, face_a, face_b] = *witness;
+  const auto& [found, face_a, face_b, part_a, part_b] = *witness;
+  const auto in = [](const std::string* part) { return part != nullptr ? ", part " + *part : ""; };
   write_line("point a   {}", to_text(found.point_a, " "));
   write_line("point b   {}", to_text(found.point_b, " "));
-  write_line("on a      triangle {}, face {}", found.triangle_a, face_a);
-  write_line("on b      triangle {}, face {}", found.triangle_b, face_b);
+  write_line("on a      triangle {}, face {}{}", found.triangle_a, face_a, in(part_a));
+  write_line("on b      triangle {}, face {}{}", found.triangle_b, face_b, in(part_b));
 }
 
 void append_distance(Json& json, const DistanceResult& result, const std::optional<FoundWitness>& witness) {

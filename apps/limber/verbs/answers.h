@@ -15,17 +15,29 @@
 /// The parts of answers that several verbs write: in JSON, from which CSV is made, and as lines of text.
 namespace limber::program {
 
-/// A witness, and the faces of the files that its triangles come from.
+/// A witness, and the faces and parts of the files that its triangles come from.
 struct FoundWitness {
   Witness witness;
   std::uint32_t face_a = 0, face_b = 0;
+  const std::string *part_a = nullptr, *part_b = nullptr;  ///< names, which the models own; null: not told
 };
 
-/// Adds the faces; `a` and `b` have `face_of(triangle)`.
+/// The name of a triangle's part, where models have names.
+template <typename Faces>
+const std::string* part_of(const Faces& model, TriangleId triangle) {
+  if constexpr (requires { model.part_of(triangle); }) return model.part_of(triangle);
+  return nullptr;
+}
+
+/// Adds `part_a` and `part_b`, where one of them is told.
+void append_parts(Json& json, const std::string* a, const std::string* b);
+
+/// Adds the faces and parts; `a` and `b` have `face_of(triangle)`.
 template <typename Faces>
 std::optional<FoundWitness> with_faces(const std::optional<Witness>& witness, const Faces& a, const Faces& b) {
   if (!witness) return std::nullopt;
-  return FoundWitness{*witness, a.face_of(witness->triangle_a), b.face_of(witness->triangle_b)};
+  const TriangleId of_a = witness->triangle_a, of_b = witness->triangle_b;
+  return FoundWitness{*witness, a.face_of(of_a), b.face_of(of_b), part_of(a, of_a), part_of(b, of_b)};
 }
 
 /// One object, or null where there is no witness.

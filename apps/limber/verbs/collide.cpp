@@ -112,7 +112,8 @@ other), a_inside_b, b_inside_a (enclosed, with or without contact) and equal. It
 every edge belongs to two triangles that run through it in opposite directions.
 
 The witness is a point in the world frame, in the meshes' length unit, once as a point of A and once as a point of B.
-The triangles and the faces of the files that it lies on are counted from 0. Times are in microseconds.
+The triangles and the faces of the files that it lies on are counted from 0; the parts of a file that has several are
+named. Times are in microseconds.
 
 With --path-a or --path-b the question is whether the models meet on the path, and path_time is when they first do:
 before, they are apart. Then they are closer than 2^-20 of the sum of their radii, so a path that passes as closely may
@@ -132,7 +133,8 @@ Verb add_within(CLI::App& app) {
   command.footer(std::string(R"(
 Stops at the first pair of points at most --max-distance apart, so it is faster than the distance itself. The witness
 is that pair, not the closest one: points in the world frame, in the meshes' length unit, with the triangles and the
-faces of the files that they lie on, all counted from 0. Times are in microseconds.
+faces of the files that they lie on, all counted from 0; the parts of a file that has several are named. Times are in
+microseconds.
 
 Models are surfaces, not solids. Where a closed model has the other inside without touching it, a warning says so, and
 the field inside in JSON.

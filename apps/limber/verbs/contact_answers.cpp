@@ -101,6 +101,7 @@ Json to_json(const FoundContact& contact, ContactDetail detail) {
   json["face_a"] = contact.face_a;
   json["face_b"] = contact.face_b;
   if (contact.region) json["region"] = *contact.region;
+  append_parts(json, contact.part_a, contact.part_b);
   return json;
 }
 
@@ -144,8 +145,13 @@ void write_table(const FoundContacts& found, std::size_t row_count) {
   row_count = std::min(row_count, found.first.size());
   if (row_count == 0) return;
   const char* const others = found.detail == ContactDetail::ids ? "" : "      distance         depth  features";
-  write_line("\ntriangle a  triangle b{}", others);
-  for (std::size_t i = 0; i < row_count; ++i) write_line("{}", table_row(found.first[i], found.detail));
+  write_line("\ntriangle a  triangle b{}{}", others, found.has_parts ? "; parts" : "");
+  const auto name_of = [](const std::string* part) { return part != nullptr ? *part : "-"; };
+  for (std::size_t i = 0; i < row_count; ++i) {
+    const FoundContact& contact = found.first[i];
+    const std::string parts = "; " + name_of(contact.part_a) + ", " + name_of(contact.part_b);
+    write_line("{}{}", table_row(contact, found.detail), found.has_parts ? parts : "");
+  }
   if (row_count < found.count) write_line("and {} more", found.count - row_count);
 }
 
@@ -186,7 +192,8 @@ is closed, or the faces do not tell. point_a and point_b are closest points, and
 intersect; lengths are in the meshes' unit. feature_a and feature_b are the parts of the triangles that
 these points lie on: "vertex 0" to "vertex 2"; "edge 0" to "edge 2", where edge 0 goes from vertex 0 to vertex 1; or
 "face". Triangles count from 0 in the file's order, after larger faces have been split into fans; face_a and face_b are
-the file's own, counted from 0. Times are in microseconds. Columns of CSV:
+the file's own, counted from 0. Where a file has several parts, part_a and part_b come last and name theirs. Times are
+in microseconds. Columns of CSV:
 
 {}
 
@@ -217,7 +224,8 @@ void ContactOutput::write(const FoundContacts& found, const std::function<Json()
 }
 
 void ContactOutput::write_csv(const FoundContacts& found) {
-  std::string text = contact_columns(found.detail) + (found.regions ? ",region\n" : "\n");
+  std::string text =
+      contact_columns(found.detail) + (found.regions ? ",region" : "") + (found.has_parts ? ",part_a,part_b\n" : "\n");
   for (const FoundContact& contact : found.first) {
     text += csv_line(to_json(contact, found.detail));
     if (text.size() < csv_chunk_bytes) continue;

@@ -12,6 +12,7 @@
 #include "command/output.h"
 #include "command/run_files.h"
 #include "limber/contacts.h"
+#include "verbs/answers.h"
 #include "verbs/contact_regions.h"
 
 namespace CLI {
@@ -21,10 +22,11 @@ class App;
 /// Pairs of triangles: the options that ask for them, what queries find, and how it is written.
 namespace limber::program {
 
-/// A pair of triangles, and the faces of the files that they come from.
+/// A pair of triangles, and the faces and parts of the files that they come from.
 struct FoundContact : Contact {
   std::uint32_t face_a = 0, face_b = 0;
-  std::optional<std::uint32_t> region = {};  ///< where regions were asked for
+  const std::string *part_a = nullptr, *part_b = nullptr;  ///< as in FoundWitness
+  std::optional<std::uint32_t> region = {};                ///< where regions were asked for
 };
 
 /// What was asked about each pair.
@@ -37,6 +39,7 @@ struct FoundContacts {
   std::size_t count = 0;               ///< of all pairs
   std::size_t intersecting_count = 0;  ///< those at distance 0
   ContactDetail detail = ContactDetail::all;
+  bool has_parts = false;           ///< whether parts of a model are told
   std::vector<FoundContact> first;  ///< as many as were asked for: the deepest, then the nearest, then by ids
   std::optional<std::vector<ContactRegion>> regions = {};  ///< of all pairs, where they were asked for
   QueryStats stats;
@@ -64,12 +67,15 @@ class ContactCollector {
 FoundContacts collect_contacts(std::size_t room, ContactDetail detail,
                                const std::function<PairCount(ContactCollector&)>& query);
 
-/// Sets the faces; `a` and `b` have `face_of(triangle)`.
+/// Sets the faces and parts; `a` and `b` have `face_of(triangle)`.
 template <typename Faces>
 void set_faces(FoundContacts& found, const Faces& a, const Faces& b) {
+  found.has_parts = part_of(a, 0) != nullptr || part_of(b, 0) != nullptr;
   for (FoundContact& contact : found.first) {
     contact.face_a = a.face_of(contact.triangle_a);
     contact.face_b = b.face_of(contact.triangle_b);
+    contact.part_a = part_of(a, contact.triangle_a);
+    contact.part_b = part_of(b, contact.triangle_b);
   }
 }
 

@@ -90,7 +90,8 @@ constexpr const char* help_text = R"(
 lower <= true distance <= upper, up to rounding. status is exact (lower = upper), within_error, collision (both 0) or
 beyond_limit (farther apart than --max-distance: no upper, no witness). Lengths are in the meshes' unit, points in the
 world frame, times in microseconds. Triangles count from 0 in the file's order, after larger faces have been split
-into fans; faces are the file's own, counted from 0.
+into fans; faces are the file's own, counted from 0. Where a file has several parts, the answer to one pair names those
+of the triangles, in JSON as part_a and part_b.
 
 --min-clearance is decided as for an exact distance, whatever the errors asked for.
 

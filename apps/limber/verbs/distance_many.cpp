@@ -34,7 +34,9 @@ class Models {
   const RigidModel* load(const std::string& name) {
     std::unique_ptr<RigidModel>& model = models_[key_of(name)];
     if (model) return model.get();
-    model = std::make_unique<RigidModel>(load_mesh_argument(name), engine_);
+    MeshFile file = load_mesh_argument(name);
+    file.parts.clear();  // rows have no cells for their names
+    model = std::make_unique<RigidModel>(std::move(file), engine_);
     return model.get();
   }
 

@@ -47,17 +47,12 @@ FoundTouch touch_of(const ImpactResult& found, const FrameMotion& a, const Frame
 }
 
 Json touch_json(const FoundTouch& touch) {
-  const auto& [witness, face_a, face_b] = touch.at;
+  const Witness& witness = touch.at.witness;
   const auto words = [](const std::optional<Feature>& feature) { return feature ? Json(to_text(*feature)) : nullptr; };
-  return {{"triangle_a", witness.triangle_a},
-          {"triangle_b", witness.triangle_b},
-          {"point_a", to_json(witness.point_a)},
-          {"point_b", to_json(witness.point_b)},
-          {"normal", to_json(touch.normal)},
-          {"feature_a", words(touch.feature_a)},
-          {"feature_b", words(touch.feature_b)},
-          {"face_a", face_a},
-          {"face_b", face_b}};
+  return {
+      {"triangle_a", witness.triangle_a},    {"triangle_b", witness.triangle_b}, {"point_a", to_json(witness.point_a)},
+      {"point_b", to_json(witness.point_b)}, {"normal", to_json(touch.normal)},  {"feature_a", words(touch.feature_a)},
+      {"feature_b", words(touch.feature_b)}, {"face_a", touch.at.face_a},        {"face_b", touch.at.face_b}};
 }
 
 }  // namespace

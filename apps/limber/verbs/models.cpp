@@ -185,7 +185,9 @@ RigidModel::RigidModel(MeshFile file, Engine engine)
     : box_(box_of(file.mesh)),
       model_(timed_made(std::move(file.mesh), engine, build_us_)),
       face_of_triangle_(std::move(file.face_of_triangle)),
-      face_count_(file.face_count) {}
+      face_count_(file.face_count),
+      parts_(std::move(file.parts)),
+      part_of_triangle_(std::move(file.part_of_triangle)) {}
 
 const Mesh& RigidModel::mesh() const {
   if (const auto* const mesh = std::get_if<Mesh>(&model_)) return *mesh;

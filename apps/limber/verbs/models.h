@@ -67,9 +67,13 @@ class RigidModel {
   const Model& in_fast_engine() const;
   std::uint32_t face_of(TriangleId triangle) const { return face_of_triangle_[triangle]; }
   std::size_t face_count() const { return face_count_; }  ///< of the file
-  double build_us() const { return build_us_; }           ///< time for the tree
-  const Box& box() const { return box_; }                 ///< of the triangles, in the model's frame
-  bool is_closed() const;                                 ///< counted when it is first asked for
+  /// The name of the part that a triangle belongs to; null where the file has one part alone.
+  const std::string* part_of(TriangleId triangle) const {
+    return parts_.size() > 1 ? &parts_[part_of_triangle_[triangle]] : nullptr;
+  }
+  double build_us() const { return build_us_; }  ///< time for the tree
+  const Box& box() const { return box_; }        ///< of the triangles, in the model's frame
+  bool is_closed() const;                        ///< counted when it is first asked for
   /// The surface as that of a solid, or what it lacks; looked at when it is first asked for.
   const Result<ClosedSurface>& surface() const;
 
@@ -82,6 +86,8 @@ class RigidModel {
   std::variant<Model, classic::Model, Mesh> model_;
   std::vector<std::uint32_t> face_of_triangle_;
   std::size_t face_count_ = 0;
+  std::vector<std::string> parts_;
+  std::vector<std::uint32_t> part_of_triangle_;
   mutable std::optional<bool> is_closed_;
   mutable std::optional<Model> in_fast_engine_;  // where the engine is another one
   mutable std::optional<Result<ClosedSurface>> surface_;

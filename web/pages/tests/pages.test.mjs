@@ -100,6 +100,8 @@ before(async () => {
   const partRows = [`room,${room},0`, `box,${box},0`, `box,${box},2`, `"box, last",${box},4.1`, 'ball,scene:ball,9'];
   const partHeads = 'name,model,pose_tx';
   study('parts', '--parts', [partHeads, ...partRows], '--min-clearance', '0.5', '--title', 'All <parts>');
+  const accepted = folder.store('accept.csv', 'name_a,name_b,allowed\na,b,all\n');
+  study('accepted', '--parts', [partHeads, `a,${box},0`, `b,${box},1`, `c,${box},1.5`], '--accept', accepted);
   study('far', '--parts', [partHeads, `a,${box},0`, `b,${box},9`], '--max-distance', '2', '--min-clearance', '1');
   const demo = (name, ...words) => limber('demo', '--json', '--report', path(name), ...words);
   demo('usual');
@@ -394,6 +396,14 @@ test('the list is parted by kinds of clashes', async () => {
   assert.deepEqual(await tileTexts(far), ['Noneof the parts are within 2 of each other']);
   assert.equal(await far.locator('.pair, #matrix, #answer').count(), 0);
   await far.close();
+  await page.close();
+});
+
+test('tiles and kinds of the list count accepted pairs apart', async () => {
+  const page = await look('accepted');
+  assert.deepEqual((await tileTexts(page)).slice(1), ['2hard clashes', '1pair is accepted']);
+  const kinds = await page.$$eval('#rows-kinds button', (all) => all.map((button) => button.textContent));
+  assert.deepEqual(kinds, ['All 3', 'Hard clash 2', 'Accepted 1']);
   await page.close();
 });
 
