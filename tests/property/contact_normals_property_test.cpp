@@ -132,7 +132,7 @@ struct TrueNormal {
 };
 
 TEST(ContactNormals, OfNarrowGapsAreWithinTheirErrorAndSeparate) {
-  const std::uint64_t pairs = count_from("LIMBER_NORMAL_PAIRS", 20'000);
+  const std::uint64_t pairs = count_from("LIMBER_NORMAL_PAIRS", 5'000);
   Rng rng(4101);
   std::uint64_t apart = 0, narrow = 0;
   double worst = 0;

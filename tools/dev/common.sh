@@ -76,6 +76,11 @@ build() {
   cmake --build "$root/build/$preset" --parallel "$jobs" "$@" </dev/null
 }
 
+# newest_clang: the newest Clang there is. The security archive has 22; the main one ends with 19.
+newest_clang() {
+  if apt-cache show clang-22 >/dev/null 2>&1; then printf 'clang-22\n'; else printf 'clang-19\n'; fi
+}
+
 # run_tests PRESET [ctest arguments]; ctest's own closing line stays the last.
 run_tests() {
   local preset=$1
