@@ -176,6 +176,7 @@ TEST(ProgramStudy, NamesWhatIsWrongInAFileOfParts) {
   refused("model,pose_qw\nscene:ball,1\nscene:ball,\n", "line 2: column pose_qx: is empty");
   refused("model,pose_tx\nscene:ball,far\nscene:ball,\n", "column pose_tx: 'far' is not a number");
   refused("model,pose_tyy\nscene:ball,1\nscene:ball,2\n", "did you mean pose_ty?");
+  refused("model,ty\nscene:ball,1\nscene:ball,2\n", "did you mean pose_ty?");
   const std::string file = folder.store("parts.csv", "model\nscene:ball\nscene:ball\n");
   expect_refused("distance --parts " + file + " --pairs " + file, "--parts");
   expect_refused("distance --parts " + file + " scene:ball", "--parts");

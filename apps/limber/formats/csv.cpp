@@ -153,7 +153,10 @@ class Columns {
       const bool is_known = std::find(format.columns.begin(), format.columns.end(), name) != format.columns.end();
       if (is_known) continue;
       if (format.is_complete) throw BadInput(fmt::format("no column is called '{}'{}", shown(name), format.hint));
-      const std::optional<std::string> meant = nearest(name, missing);
+      std::optional<std::string> meant = nearest(name, missing);
+      for (const std::string& column : missing) {
+        if (!meant && column.ends_with("_" + name)) meant = column;  // tx for pose_tx
+      }
       if (meant) throw BadInput(fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
     }
     for (std::size_t c = 0; c < format.required_count; ++c) {
