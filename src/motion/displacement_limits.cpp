@@ -134,6 +134,15 @@ class SharedMotions {
   double max_time() const { return 1; }
   bool is_done() const { return false; }
   bool wants_contacts_only() const { return false; }
+  bool stays(Side s, const bvh::Leaf& leaf) const {
+    const std::span<const double> fractions = s == Side::a ? of_a_ : of_b_;
+    const MovingModel::Impl& model = models_.model(s);
+    const auto vertex_stays = [&](VertexId v) { return fractions[v] == 0 || model.start[v] == model.end[v]; };
+    const auto triangle_stays = [&](const auto& corners) {
+      return std::all_of(corners.begin(), corners.end(), vertex_stays);
+    };
+    return fractions.empty() || std::all_of(std::begin(leaf.vertices), std::end(leaf.vertices), triangle_stays);
+  }
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     using enum ElementPair::Kind;
