@@ -216,8 +216,8 @@ class Body {
 
   const Model* model_;
   double radius_ = 0;
+  std::uint32_t surface_id_ = 0;  // of a solid whose model may be reset()
   bool is_solid_ = false;
-  std::uint64_t surface_id_ = 0;  // of a solid whose model may be reset()
   bool is_in_one_piece_ = false;  // whether all triangles are known to be connected by common vertices
 };
 

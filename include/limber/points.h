@@ -127,7 +127,7 @@ class ClosedSurface {
   Placed placed(const Transform& world_from_model) const;
 
   const Model* model_;
-  std::uint64_t surface_id_;
+  std::uint32_t surface_id_;
 };
 
 /// A closed surface and where it stands, for queries of two bodies. Its model must outlive it.

@@ -26,7 +26,7 @@ struct Access {
 
   /// The surface of a solid, which its model may lose; 0 for other bodies, and for shapes, which do not change.
   template <typename Body>
-  static std::uint64_t surface_id(const Body& body) {
+  static std::uint32_t surface_id(const Body& body) {
     return body.surface_id_;
   }
 

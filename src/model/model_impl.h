@@ -26,9 +26,9 @@ struct Model::Impl {
     scratch.resize(mesh.positions().size());
   }
 
-  /// Tells the mesh from all others, also from those in the same memory: solids remember it.
-  static inline std::atomic<std::uint64_t> last_surface_id = 0;
-  const std::uint64_t surface_id = ++last_surface_id;
+  /// Tells the mesh from the last four billion others, also from those in the same memory: solids remember it.
+  static inline std::atomic<std::uint32_t> last_surface_id = 0;
+  const std::uint32_t surface_id = ++last_surface_id;
 
   Mesh mesh;
   ModelOptions options;
@@ -52,19 +52,22 @@ struct Model::Impl {
 ///
 /// Pre: the model has not been moved from.
 inline bool has_its_surface(const Body& body) {
-  const std::uint64_t id = Access::surface_id(body);
+  const std::uint32_t id = Access::surface_id(body);
   return id == 0 || id == Access::impl(body.model()).surface_id;
 }
 
 /// Throws std::invalid_argument, which says what of a model is not as require_ready() wants it.
 [[noreturn]] void throw_not_ready(const Placed& placed, const char* place, const char* name);
 
-/// Throws std::invalid_argument, "place: name ...", unless a query may ask about a model: it is committed, still has
-/// the surface that was found to be closed, and its pose is rigid.
-inline void require_ready(const Placed& placed, const char* place, const char* name) {
+/// The insides of a model that a query may ask about: it is committed, still has the surface that was found to be
+/// closed, and its pose is rigid.
+///
+/// Throws   std::invalid_argument, "place: name ...", unless it is so.
+inline const Model::Impl& require_ready(const Placed& placed, const char* place, const char* name) {
   const bool is_ready =
       placed.model().is_committed() && has_its_surface(placed.body()) && geometry::is_rigid(placed.pose);
   if (!is_ready) throw_not_ready(placed, place, name);
+  return Access::impl(placed.model());
 }
 
 }  // namespace limber

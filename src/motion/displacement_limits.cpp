@@ -50,6 +50,12 @@ double largest(std::span<const double> numbers) {
   return numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
 }
 
+double mean_length(const Mesh& mesh, std::span<const std::array<VertexId, 2>> edges) {
+  double sum = 0;
+  for (const auto& [p, q] : edges) sum += length(mesh.positions()[p] - mesh.positions()[q]);
+  return sum / static_cast<double>(edges.size());
+}
+
 /// What the corners of two elements would like to do.
 struct Wishes {
   std::size_t count;                // of corners of the first element; the others are those of the second
@@ -109,18 +115,26 @@ void share_displacements(const Placed& a, const Placed& b, double separation, st
   if (!of_b.empty()) check_numbers(of_b, mesh_b.positions().size(), max_coordinate, function);
   const Room room(pair::PlacedPair(a, b), separation);
   const auto edges_a = a.model().edges().vertices(), edges_b = b.model().edges().vertices();
-  visit_pairs(
-      room.margin(largest(of_a) + largest(of_b)),
-      [&](const VertexFacePair& pair) {
-        const auto& [p, q, r] = (pair.is_vertex_of_b ? mesh_a : mesh_b).triangles()[pair.triangle];
-        const Wishes wishes = pair.is_vertex_of_b ? Wishes(of_a, of_b, {p, q, r, pair.vertex}, 3)
-                                                  : Wishes(of_a, of_b, {pair.vertex, p, q, r}, 1);
-        return wishes.share(room.at(pair.distance)), true;
-      },
-      [&](const EdgeEdgePair& pair) {
-        const auto &p = edges_a[pair.a], &q = edges_b[pair.b];
-        return Wishes(of_a, of_b, {p[0], p[1], q[0], q[1]}, 2).share(room.at(pair.distance)), true;
-      });
+  const auto share_within = [&](double margin) {
+    visit_pairs(
+        margin,
+        [&](const VertexFacePair& pair) {
+          const auto& [p, q, r] = (pair.is_vertex_of_b ? mesh_a : mesh_b).triangles()[pair.triangle];
+          const Wishes wishes = pair.is_vertex_of_b ? Wishes(of_a, of_b, {p, q, r, pair.vertex}, 3)
+                                                    : Wishes(of_a, of_b, {pair.vertex, p, q, r}, 1);
+          return wishes.share(room.at(pair.distance)), true;
+        },
+        [&](const EdgeEdgePair& pair) {
+          const auto &p = edges_a[pair.a], &q = edges_b[pair.b];
+          return Wishes(of_a, of_b, {p[0], p[1], q[0], q[1]}, 2).share(room.at(pair.distance)), true;
+        });
+  };
+  // First pairs about an edge apart: in one mesh they leave no wish much larger, so few others or none are left.
+  double shared = 0;
+  for (const double most : {mean_length(mesh_a, edges_a), std::numeric_limits<double>::infinity()}) {
+    const double margin = room.margin(std::min(most, largest(of_a) + largest(of_b)));
+    if (margin > shared) share_within(shared = margin);
+  }
 }
 
 /// The collector of limits along motions.
@@ -134,6 +148,15 @@ class SharedMotions {
   double max_time() const { return 1; }
   bool is_done() const { return false; }
   bool wants_contacts_only() const { return false; }
+  bool stays(Side s, const bvh::Leaf& leaf) const {
+    const std::span<const double> fractions = s == Side::a ? of_a_ : of_b_;
+    const MovingModel::Impl& model = models_.model(s);
+    const auto vertex_stays = [&](VertexId v) { return fractions[v] == 0 || model.start[v] == model.end[v]; };
+    const auto triangle_stays = [&](const auto& corners) {
+      return std::all_of(corners.begin(), corners.end(), vertex_stays);
+    };
+    return fractions.empty() || std::all_of(std::begin(leaf.vertices), std::end(leaf.vertices), triangle_stays);
+  }
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     using enum ElementPair::Kind;

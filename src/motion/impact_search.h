@@ -45,7 +45,9 @@ struct ImpactSearchPart {
 ///          bool is_done() const;              // nothing else matters
 ///          bool wants_contacts_only() const;  // pairs that certainly do not touch may be left out
 ///          void compare(const ElementPair& pair, const MovingElements& elements);
-/// With at_any_pace, it is offered pairs that may be near if each vertex is anywhere on its way, whatever others do.
+/// With at_any_pace, it is offered pairs that may be near if each vertex is anywhere on its way, whatever others do;
+/// pairs of leaves that both stay are left out.
+///          bool stays(Side side, const bvh::Leaf& leaf) const;
 template <typename Collector>
 class ImpactSearch {
  public:
@@ -213,6 +215,9 @@ class ImpactSearch {
 
   void compare_leaves(const SlotPair& pair) {
     const MovingLeafOf a = models_.leaf(Side::a, pair.slot[0]), b = models_.leaf(Side::b, pair.slot[1]);
+    if constexpr (at_any_pace) {
+      if (collector_.stays(Side::a, a.leaf) && collector_.stays(Side::b, b.leaf)) return;
+    }
     const simd::SelfPair self{a.leaf, b.leaf};
     has_left_pairs_ = false;
     const simd::MotionLimits limits = limits_of(pair);

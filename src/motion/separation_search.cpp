@@ -34,24 +34,21 @@ class SeparationSearch {
     for (std::size_t i = 0; i < 4; ++i) {
       extent = std::max({extent, max_abs(e.corners[0][i] - origin), max_abs(e.corners[1][i] - origin)});
     }
-    // In a unit in which the extent is from 1 to 2, so that nothing that matters underflows.
-    const int exponent = extent > 0 ? std::ilogb(extent) : 0;
-    const auto scaled = [&](const Vec3& p) {
-      return Vec3{std::ldexp(p.x, -exponent), std::ldexp(p.y, -exponent), std::ldexp(p.z, -exponent)};
-    };
+    // In a unit in which the extent is from 1 to 2, so that nothing that matters underflows. In two steps, because one
+    // factor may be out of range.
+    const int exponent = extent > 0 ? std::ilogb(extent) : 0, half = exponent / 2;
+    const double scale = std::ldexp(1.0, -half), rest = std::ldexp(1.0, half - exponent);
+    const auto scaled = [&](const auto& x) { return rest * (scale * x); };
     for (std::size_t i = 0; i < 4; ++i) {
       start_[i] = scaled(e.corners[0][i] - origin);
       motion_[i] = scaled(e.corners[1][i] - origin) - start_[i];
     }
-    separation_ = std::ldexp(options.min_separation, -exponent);
+    separation_ = scaled(options.min_separation);
     for_each_difference(at(0), at(1), [&](const Vec3& x0, const Vec3& x1) {
       relative_motion_ = std::max(relative_motion_, length(x1 - x0));
     });
     // From corners as they are given, so that each vector is as exact as its own size allows.
-    const auto scaled_vectors = [&](const Vec3(&corners)[4]) {
-      const Vectors x = vectors_of(kind_, corners);
-      return Vectors{scaled(x.u), scaled(x.v), scaled(x.w)};
-    };
+    const auto scaled_vectors = [&](const Vec3(&corners)[4]) { return scaled(vectors_of(kind_, corners)); };
     start_vectors_ = scaled_vectors(e.corners[0]);
     const Vectors end = scaled_vectors(e.corners[1]);
     motion_of_vectors_ = end - start_vectors_;
@@ -62,53 +59,53 @@ class SeparationSearch {
   }
 
   ElementImpact run() {
-    if (is_within(at(0))) return {ImpactStatus::initial_contact, 0, 0};
-    End ends[most_halvings + 1];  // of the pieces that are left, the next one on top
+    Moment begin = moment(0);
+    if (is_within(begin)) return {ImpactStatus::initial_contact, 0, 0};
+    Moment ends[most_halvings + 1];  // of the pieces that are left, the next one on top
     std::size_t open = 0;
-    ends[open++] = {max_time_, is_within(at(max_time_))};
-    double begin = 0;
+    ends[open++] = moment(max_time_);
     for (std::uint64_t steps = 1; open > 0; ++steps) {
       if (steps % many_steps == 0) tolerance_ *= 2;
-      End& end = ends[open - 1];
-      if (end.time - begin <= time_error_ && end.is_within) return {ImpactStatus::contact, begin, end.time};
-      bool is_clear = end.time - begin <= time_resolution;  // nothing moves by more than the rounding of positions
-      if (!is_clear) {
-        const double middle = begin + 0.5 * (end.time - begin);
-        if (is_within(at(middle))) {
-          end = {middle, true};
+      Moment& end = ends[open - 1];
+      const double length = end.time - begin.time;
+      if (length <= time_error_ && is_within(end)) return {ImpactStatus::contact, begin.time, end.time};
+      if (length > time_resolution) {  // otherwise nothing moves by more than the rounding of positions
+        const Moment middle = moment(begin.time + 0.5 * length);
+        if (is_within(middle)) {
+          end = middle;
           continue;
         }
-        is_clear = are_apart(begin, end.time);
-        if (!is_clear) {
+        if (!are_apart(begin, end)) {
           LIMBER_ASSERT(open <= most_halvings);
-          ends[open++] = {middle, false};
+          ends[open++] = middle;
           continue;
         }
       }
       // The piece may be clear although its end counts as within the separation: the distance there exceeds the
       // separation by less than the tolerance. Then the end is the answer.
-      if (end.is_within) return {ImpactStatus::contact, end.time, end.time};
-      begin = end.time, --open;
+      if (is_within(end)) return {ImpactStatus::contact, end.time, end.time};
+      begin = end, --open;
     }
     return {};
   }
 
   /// Whether a few pieces are enough to show that the elements are apart up to the largest time.
   bool proves_apart() const {
-    if (is_within(at(0)) || is_within(at(max_time_))) return false;
-    double ends[most_pieces];  // of the pieces that are left, the next one on top
+    Moment begin = moment(0);
+    Moment ends[most_pieces];  // of the pieces that are left, the next one on top
     std::size_t open = 0;
-    ends[open++] = max_time_;
-    double begin = 0;
+    ends[open++] = moment(max_time_);
+    if (is_within(begin) || is_within(ends[0])) return false;
     for (std::size_t pieces = 1; open > 0; ++pieces) {
-      const double end = ends[open - 1];
+      const Moment& end = ends[open - 1];
       if (are_apart(begin, end)) {
         begin = end, --open;
         continue;
       }
-      const double middle = 0.5 * (begin + end);
-      if (pieces >= most_pieces || !(middle > begin && middle < end) || is_within(at(middle))) return false;
-      ends[open++] = middle;
+      const double middle = 0.5 * (begin.time + end.time);
+      if (pieces >= most_pieces || !(middle > begin.time && middle < end.time)) return false;
+      ends[open++] = moment(middle);
+      if (is_within(ends[open - 1])) return false;
     }
     return true;
   }
@@ -128,14 +125,13 @@ class SeparationSearch {
   // Shorter vectors have no squared length in float64.
   static constexpr double least_length_sq = 0x1p-900;
 
-  /// The end of a piece of time, and whether the elements are within the separation there.
-  struct End {
-    double time;
-    bool is_within;
-  };
-
   struct Placed {
     Vec3 corners[4];
+  };
+  /// A beginning or an end of pieces of time, and the closest points of the elements there.
+  struct Moment {
+    double time;
+    ClosestPoints closest;
   };
   Placed at(double t) const {
     Placed placed;
@@ -151,8 +147,10 @@ class SeparationSearch {
                      : geometry::closest_points(Segment{a, b}, Segment{c, d});
   }
 
+  Moment moment(double time) const { return {time, closest_points(at(time))}; }
+
   /// Whether the elements are within the separation, or above it by no more than the tolerance.
-  bool is_within(const Placed& placed) const { return closest_points(placed).distance <= separation_ + tolerance_; }
+  bool is_within(const Moment& moment) const { return moment.closest.distance <= separation_ + tolerance_; }
 
   /// Calls use() with all differences of a corner of the second element and one of the first, at two times.
   template <typename Use>
@@ -166,13 +164,13 @@ class SeparationSearch {
   }
 
   /// Whether a bound shows that the elements are farther apart than the separation from one time to another.
-  bool are_apart(double from, double to) const {
-    const Placed begin = at(from), end = at(to);
-    const ClosestPoints first = closest_points(begin);
-    if (first.distance - relative_motion_ * (to - from) - gap_error > separation_) return true;
-    const ClosestPoints last = closest_points(end);
+  bool are_apart(const Moment& from, const Moment& to) const {
+    const auto &first = from.closest, &last = to.closest;
+    if (first.distance - relative_motion_ * (to.time - from.time) - gap_error > separation_) return true;
+    const Placed begin = at(from.time), end = at(to.time);
     if (are_apart_along(begin, first.point_b - first.point_a, end, last.point_b - last.point_a)) return true;
-    const Vectors a = start_vectors_ + from * motion_of_vectors_, b = start_vectors_ + to * motion_of_vectors_;
+    const Vectors a = start_vectors_ + from.time * motion_of_vectors_,
+                  b = start_vectors_ + to.time * motion_of_vectors_;
     if (are_planes_apart(a, b) || are_apart_along(begin, cross(a.u, a.v), end, cross(b.u, b.v))) return true;
     for (std::size_t which = 0; which < edge_direction_count; ++which) {
       if (are_apart_along(begin, edge_direction(begin, which), end, edge_direction(end, which))) return true;

@@ -22,12 +22,10 @@ constexpr double small_slack = 1. / 16;
 }  // namespace
 
 PlacedPair::PlacedPair(const Placed& a, const Placed& b)
-    : is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {
-  require_ready(a, "limber", "model a of a query"), require_ready(b, "limber", "model b of a query");
-  const Model::Impl &model_a = Access::impl(a.model()), &model_b = Access::impl(b.model());
-  sides_[0] = {&model_a.tree, model_a.mesh, a.pose};
-  sides_[1] = {&model_b.tree, model_b.mesh, b.pose};
-  const double size = bvh::magnitude(model_a.tree, a.pose) + bvh::magnitude(model_b.tree, b.pose);
+    : sides_{{&require_ready(a, "limber", "model a of a query").tree, Access::impl(a.model()).mesh, a.pose},
+             {&require_ready(b, "limber", "model b of a query").tree, Access::impl(b.model()).mesh, b.pose}},
+      is_placed_exactly_(a.pose == Transform{} && b.pose == Transform{}) {
+  const double size = bvh::magnitude(tree(Side::a), a.pose) + bvh::magnitude(tree(Side::b), b.pose);
   error_ = base::placement_error * size;
   is_error_tight_ = !is_placed_exactly_ && slack() <= small_slack * size;
 }

@@ -27,7 +27,7 @@ class TreePair {
 
   /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide, so that any leaf below stands
   /// for it and no bound could tell them apart. With a motion margin, vertices may have moved since they coincided.
-  bool is_leaf(Side s, const NodePair& pair) const {
+  [[gnu::always_inline]] bool is_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
     const bvh::Tree& tree = placed_.tree(s);
     if constexpr (tells_coincident_apart) {
@@ -52,7 +52,7 @@ class TreePair {
     const bvh::SlotId slot = pair.slot[index(s)];
     return {&placed_.tree(s).nodes[bvh::node_of(slot)], bvh::slot_of(slot), nullptr};
   }
-  simd::SlotRef as_leaf(Side s, const NodePair& pair) const {
+  [[gnu::always_inline]] simd::SlotRef as_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = leaf_slot(s, pair);
     const bvh::Tree& tree = placed_.tree(s);
     const bvh::Leaf& leaf = bvh::leaf_of(tree, slot);

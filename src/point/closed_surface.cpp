@@ -43,8 +43,8 @@ Placed ClosedSurface::placed(const Transform& world_from_model) const {
 
 Body::Body(const ClosedSurface& solid)
     : model_(&Access::placed(PlacedSurface(solid)).model()),
-      is_solid_(true),
-      surface_id_(Access::impl(*model_).surface_id) {}
+      surface_id_(Access::impl(*model_).surface_id),
+      is_solid_(true) {}
 
 bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
   return winding_number(point, world_from_model).value_or(1) != 0;

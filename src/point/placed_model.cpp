@@ -26,15 +26,11 @@ void store(const Vec3& v, double (&to)[3]) {
   for (std::size_t k = 0; k < 3; ++k) to[k] = v[k];
 }
 
-const Model::Impl& checked(const Placed& placed) {
-  require_ready(placed, "limber", "the model of a query");
-  return Access::impl(placed.model());
-}
-
 }  // namespace
 
 PlacedModel::PlacedModel(const Placed& placed)
-    : PlacedModel(checked(placed).tree, Access::impl(placed.model()).mesh, placed.pose) {}
+    : PlacedModel(require_ready(placed, "limber", "the model of a query").tree, Access::impl(placed.model()).mesh,
+                  placed.pose) {}
 
 PlacedModel::PlacedModel(const bvh::Tree& tree, const MeshView& mesh, const Transform& pose)
     : tree_(&tree),
