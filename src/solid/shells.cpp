@@ -30,6 +30,9 @@ Signs sides_of_corners(const Triangle& other, const Triangle& t) {
   return {plane.of(other.v0), plane.of(other.v1), plane.of(other.v2)};
 }
 
+/// Whether a part of a facet that crosses another one is on either side of it.
+bool is_through(const Meeting& m) { return m.sides == (in_front | behind | across); }
+
 bool has(const Signs& signs, int sign) { return std::find(signs.begin(), signs.end(), sign) != signs.end(); }
 
 /// Whether two triangles have no point in common but a corner of both.
@@ -129,6 +132,7 @@ void Shells::find_sides() {
         is_copy_[f] = is_copy_[f] || is_copy(triangle(m.other), triangle(f)) != 0;
       }
       if ((m.sides & across) != 0) cut_halves_[f] |= m.sides & (in_front | behind);
+      if (is_through(m)) cut_halves_[f] |= across;
     }
   }
 }
@@ -201,18 +205,23 @@ void Shells::look_into_pieces(FacetId f) {
   }
 }
 
+bool Shells::is_looked_into_before(FacetId x, FacetId f) const {
+  const Sides of_x = cut_halves_[x] & across, of_f = cut_halves_[f] & across;
+  return of_x != of_f ? of_x != 0 : x < f;
+}
+
 void Shells::look_along_cut(FacetId f, const Meeting& cutter) {
-  const bool is_through = (cutter.sides & in_front) != 0 && (cutter.sides & behind) != 0;
-  if (is_through && cutter.other < f) return;  // done from there
-  Cut cut(triangle(f), side_of(f), triangle(cutter.other), side_of(cutter.other));
+  const FacetId x = cutter.other;
+  const Sides halves = cut_halves_[x] & (in_front | behind);
+  if (halves == 0 || is_looked_into_before(x, f)) return;
+  Cut cut(triangle(f), side_of(f), triangle(x), side_of(x));
   if (!cut.is_segment()) return;
-  add_crossers(cut, f, cutter.other);
-  if (is_through && !cut.is_shared()) return cut.look_everywhere(cells_);
-  if ((cutter.sides & in_front) != 0) cut.look(cells_, 1);
-  if ((cutter.sides & behind) != 0) cut.look(cells_, -1);
-  if (!is_through) return;
-  Cut turned(triangle(cutter.other), side_of(cutter.other), triangle(f), side_of(f));
-  add_crossers(turned, cutter.other, f);
+  add_crossers(cut, f, x);
+  if (!is_through(cutter)) return cut.look(cells_, (cutter.sides & in_front) != 0 ? 1 : -1);
+  if (!cut.is_shared()) return cut.look_everywhere(cells_);
+  for (const int side : {1, -1}) cut.look(cells_, side);
+  Cut turned(triangle(x), side_of(x), triangle(f), side_of(f));
+  add_crossers(turned, x, f);
   for (const int side : {1, -1}) turned.look(cells_, side);
 }
 
