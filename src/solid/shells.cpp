@@ -15,7 +15,6 @@
 #include "geometry/collinear.h"
 #include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
-#include "geometry/shared_corners.h"
 #include "pair/placed_self_intersections.h"
 
 namespace limber::solid {
@@ -35,14 +34,22 @@ bool is_through(const Meeting& m) { return m.sides == (in_front | behind | acros
 
 bool has(const Signs& signs, int sign) { return std::find(signs.begin(), signs.end(), sign) != signs.end(); }
 
-/// Whether two triangles have no point in common but a corner of both.
-bool meet_in_a_corner(const Triangle& a, const Triangle& b) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (a[i] == b[j]) return !geometry::meet_beyond_shared_corner(a, i, b, j);
-    }
-  }
-  return false;
+/// A corner that is off a plane, where no other one is on the same side of it.
+std::size_t lone_corner(const Signs& signs) {
+  const auto is_lone = [&](std::size_t i) {
+    return signs[i] != 0 && std::count(signs.begin(), signs.end(), signs[i]) == 1;
+  };
+  return is_lone(0) ? 0 : is_lone(1) ? 1 : 2;
+}
+
+/// Whether the intervals in which two triangles meet the line of both their planes overlap, as in [GuigueDevillers2003].
+/// Pre: some corner of each is off the plane of the other one, on a side where no other one of it is.
+bool share_a_segment(const Triangle& a, const Signs& of_a, const Triangle& b, const Signs& of_b) {
+  const std::size_t i = lone_corner(of_a), j = lone_corner(of_b);
+  const std::size_t a1 = next_corner[i], a2 = next_corner[a1], b1 = next_corner[j], b2 = next_corner[b1];
+  const bool turns_a = of_b[j] < 0, turns_b = of_a[i] < 0;
+  return geometry::orient3d(a[i], a[turns_a ? a2 : a1], b[j], b[turns_b ? b2 : b1]) < 0 &&
+         geometry::orient3d(a[i], a[turns_a ? a1 : a2], b[turns_b ? b1 : b2], b[j]) < 0;
 }
 
 /// The sides of t where another triangle that meets it is.
@@ -55,7 +62,7 @@ Sides sides_of(const Triangle& other, const Triangle& t) {
   const bool is_one_sided = sides != (in_front | behind);
   if (is_one_sided && std::count(signs.begin(), signs.end(), 0) < 2) return sides;  // a corner at most touches
   const Signs own_signs = sides_of_corners(t, other);
-  if (has(own_signs, 1) && has(own_signs, -1) && !meet_in_a_corner(t, other)) sides |= across;
+  if (has(own_signs, 1) && has(own_signs, -1) && share_a_segment(t, own_signs, other, signs)) sides |= across;
   return sides;
 }
 
@@ -215,7 +222,6 @@ void Shells::look_along_cut(FacetId f, const Meeting& cutter) {
   const Sides halves = cut_halves_[x] & (in_front | behind);
   if (halves == 0 || is_looked_into_before(x, f)) return;
   Cut cut(triangle(f), side_of(f), triangle(x), side_of(x));
-  if (!cut.is_segment()) return;
   add_crossers(cut, f, x);
   if (!is_through(cutter)) return cut.look(cells_, (cutter.sides & in_front) != 0 ? 1 : -1);
   if (!cut.is_shared()) return cut.look_everywhere(cells_);

@@ -21,7 +21,7 @@ using FacetId = VertexId;
 /// How a facet lies to another one, as bits.
 using Sides = std::uint8_t;
 inline constexpr Sides in_front = 1, behind = 2;  // some part of it is strictly on that side of the other one's plane
-inline constexpr Sides across = 4;                // it may cross the interior of the other one in a segment
+inline constexpr Sides across = 4;                // it crosses the interior of the other one in a segment
 
 /// Another facet, which one meets elsewhere than in what they share by vertex ids.
 struct Meeting {
