@@ -152,7 +152,7 @@ const ExactPoint& Cut::point_of(const Crosser& x) const {
 int Cut::compare(const Crosser& x, const Crosser& y) const {
   const double ahead = y.place.value - x.place.value, error = x.place.error + y.place.error;
   if (std::abs(ahead) > error) return ahead > 0 ? -1 : 1;
-  return &x == &y ? 0 : point_of(x).compare(point_of(y), axis_);
+  return is_copy(x.triangle, y.triangle) != 0 ? 0 : point_of(x).compare(point_of(y), axis_);
 }
 
 WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {

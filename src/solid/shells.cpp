@@ -126,22 +126,32 @@ void Shells::find_sides() {
     const Triangle t = triangle(f);
     is_degenerate_[f] = geometry::are_collinear(t.v0, t.v1, t.v2);
   }
+  bool is_same = true, is_opposite = true;
   std::size_t i = 0;
   for (FacetId f = 0; f < count_; ++f) {
     const std::span<Meeting> meetings = meetings_.of(f);
     if (cells_.meter.is_spent_at(f)) return;
+    if (is_degenerate_[f]) continue;  // a triangle without area keeps no cells apart
+    const Triangle t = triangle(f);
+    WindingNumbers jump{};  // by how much they are larger behind f and its copies than in front of them
+    jump[pair::index(side_of(f))] = 1;
     for (Meeting& m : meetings) {
       if (cells_.meter.is_spent_at(++i)) return;
-      // A triangle without area keeps no cells apart.
-      const bool counts = !is_degenerate_[f] && !is_degenerate_[m.other];
-      m.sides = counts ? sides_of(triangle(m.other), triangle(f)) : Sides{0};
-      if (counts && m.other < f && m.sides == 0) {
-        is_copy_[f] = is_copy_[f] || is_copy(triangle(m.other), triangle(f)) != 0;
+      if (is_degenerate_[m.other]) continue;
+      const Triangle other = triangle(m.other);
+      m.sides = sides_of(other, t);
+      if (m.sides == 0) {
+        const int copy = is_copy(other, t);
+        jump[pair::index(side_of(m.other))] += copy;
+        is_copy_[f] = is_copy_[f] || (copy != 0 && m.other < f);
       }
       if ((m.sides & across) != 0) cut_halves_[f] |= m.sides & (in_front | behind);
       if (is_through(m)) cut_halves_[f] |= across;
     }
+    is_same = is_same && jump[0] == jump[1], is_opposite = is_opposite && jump[0] == -jump[1];
   }
+  // If they are equal everywhere, but for the sign, no cell is in one solid alone.
+  if (is_same || is_opposite) cells_.note_missing(in_a_alone), cells_.note_missing(in_b_alone);
 }
 
 bool Shells::cuts_wedge(FacetId f, FacetId neighbor, Sides half, bool is_convex, const Segment& edge) const {
@@ -188,8 +198,8 @@ void Shells::join_neighbors(pair::Side s, FacetId first) {
 
 void Shells::look() {
   find_sides();
-  if (!cells_.is_stopped()) join_neighbors(pair::Side::a, 0);
-  if (!cells_.is_stopped()) join_neighbors(pair::Side::b, count_of_a_);
+  if (!cells_.are_all_known() && !cells_.is_stopped()) join_neighbors(pair::Side::a, 0);
+  if (!cells_.are_all_known() && !cells_.is_stopped()) join_neighbors(pair::Side::b, count_of_a_);
   for (FacetId f = 0; f < count_ && !cells_.are_all_known() && !cells_.meter.is_spent_at(f); ++f) {
     if (is_degenerate_[f]) continue;
     for (const Sides half : {in_front, behind}) {
