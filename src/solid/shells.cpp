@@ -42,8 +42,8 @@ std::size_t lone_corner(const Signs& signs) {
   return is_lone(0) ? 0 : is_lone(1) ? 1 : 2;
 }
 
-/// Whether the intervals in which two triangles meet the line of both their planes overlap, as in [GuigueDevillers2003].
-/// Pre: some corner of each is off the plane of the other one, on a side where no other one of it is.
+/// Whether two triangles meet the line in which their planes cross in intervals that overlap: by two volumes, as in
+/// [GuigueDevillers2003]. Pre: each has a corner off the plane of the other one, alone on its side.
 bool share_a_segment(const Triangle& a, const Signs& of_a, const Triangle& b, const Signs& of_b) {
   const std::size_t i = lone_corner(of_a), j = lone_corner(of_b);
   const std::size_t a1 = next_corner[i], a2 = next_corner[a1], b1 = next_corner[j], b2 = next_corner[b1];

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -452,7 +453,7 @@ TEST(SolidRelation, SendsNoRayAlongAFlushOutline) {
   std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 1}};
   std::vector<Corners> triangles;
   for (VertexId i = 0; i < n; ++i) {
-    const double angle = 2 * M_PI * i / n;
+    const double angle = 2 * std::numbers::pi * i / n;
     const VertexId from = 2 + i, to = 2 + (i + 1) % n;
     positions.push_back({std::cos(angle), std::sin(angle), 0});
     triangles.push_back({from, to, 1}), triangles.push_back({to, from, 0});
