@@ -92,8 +92,7 @@ Cut::Cut(const Triangle& t, pair::Side of_t, const Triangle& x, pair::Side of_x)
   behind_t_[pair::index(of_t)] = behind_x_[pair::index(of_x)] = 1;
   const int unit = CommonUnit().include(t).include(x).exponent();
   std::vector<ExactPoint> on_t = edge_crossings(t, x, unit), on_x = edge_crossings(x, t, unit);
-  LIMBER_ASSERT(on_t.size() == 2);
-  if (on_x.size() != 2) return;
+  LIMBER_ASSERT(on_t.size() == 2 && on_x.size() == 2);
   along_ = direction(on_t[0], on_t[1]);
   while (along_[axis_].is_zero()) ++axis_;
   if (along_[axis_].sign() < 0) {
@@ -103,11 +102,11 @@ Cut::Cut(const Triangle& t, pair::Side of_t, const Triangle& x, pair::Side of_x)
   if (on_x[0].compare(on_x[1], axis_) > 0) std::swap(on_x[0], on_x[1]);
   const ExactPoint& first = on_t[0].compare(on_x[0], axis_) > 0 ? on_t[0] : on_x[0];
   const ExactPoint& last = on_t[1].compare(on_x[1], axis_) < 0 ? on_t[1] : on_x[1];
-  if (first.compare(last, axis_) < 0) ends_ = {first, last};
+  LIMBER_ASSERT(first.compare(last, axis_) < 0);
+  ends_ = {first, last};
 }
 
 void Cut::add(const Triangle& y, pair::Side s) {
-  LIMBER_ASSERT(is_segment());
   const int side = ends_[0].side_of_plane(y), last_side = ends_[1].side_of_plane(y);
   if (side == 0 && last_side == 0) {
     const int to_t = is_copy(y, t_), to_x = is_copy(y, x_);
@@ -153,7 +152,7 @@ const ExactPoint& Cut::point_of(const Crosser& x) const {
 int Cut::compare(const Crosser& x, const Crosser& y) const {
   const double ahead = y.place.value - x.place.value, error = x.place.error + y.place.error;
   if (std::abs(ahead) > error) return ahead > 0 ? -1 : 1;
-  return &x == &y ? 0 : point_of(x).compare(point_of(y), axis_);
+  return is_copy(x.triangle, y.triangle) != 0 ? 0 : point_of(x).compare(point_of(y), axis_);
 }
 
 WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {

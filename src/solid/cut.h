@@ -26,14 +26,13 @@ int is_copy(const Triangle& y, const Triangle& t);
 /// there on they change only where the line pierces a triangle, so no other point of it needs a ray.
 class Cut {
  public:
-  /// Of triangles of the surfaces `of_t` and `of_x`. Pre: both have an area and are not in parallel planes.
+  /// Of triangles of the surfaces `of_t` and `of_x`. Pre: both have an area and are not in parallel planes; what they
+  /// have in common is more than a point.
   Cut(const Triangle& t, pair::Side of_t, const Triangle& x, pair::Side of_x);
   Cut(const Cut&) = delete;
   Cut& operator=(const Cut&) = delete;
 
-  /// Whether the triangles have more than a point in common.
-  bool is_segment() const { return !ends_.empty(); }
-  /// Adds another triangle, of the surface s, that meets both. Pre: it has an area, and is_segment().
+  /// Adds another triangle, of the surface s, that meets both. Pre: it has an area.
   void add(const Triangle& y, pair::Side s);
   /// Whether an added triangle that is no copy of t or x may contain a part of the segment. It may then divide a wedge,
   /// or keep two of them apart, so that the numbers of one do not follow from those of another.
@@ -75,7 +74,7 @@ class Cut {
   void follow(Cells& cells, WindingNumbers numbers, int side_of_t, int side_of_x) const;
 
   Triangle t_, x_;
-  std::vector<ExactPoint> ends_;  // two, or none
+  std::vector<ExactPoint> ends_;  // two
   IntegerVec along_;              // from the first to the last
   std::size_t axis_ = 0;          // along which they differ
   // By how much winding numbers behind t are larger than in front of it, copies of it included; and so for x.

@@ -15,7 +15,6 @@
 #include "geometry/collinear.h"
 #include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
-#include "geometry/shared_corners.h"
 #include "pair/placed_self_intersections.h"
 
 namespace limber::solid {
@@ -30,16 +29,27 @@ Signs sides_of_corners(const Triangle& other, const Triangle& t) {
   return {plane.of(other.v0), plane.of(other.v1), plane.of(other.v2)};
 }
 
+/// Whether a part of a facet that crosses another one is on either side of it.
+bool is_through(const Meeting& m) { return m.sides == (in_front | behind | across); }
+
 bool has(const Signs& signs, int sign) { return std::find(signs.begin(), signs.end(), sign) != signs.end(); }
 
-/// Whether two triangles have no point in common but a corner of both.
-bool meet_in_a_corner(const Triangle& a, const Triangle& b) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (a[i] == b[j]) return !geometry::meet_beyond_shared_corner(a, i, b, j);
-    }
-  }
-  return false;
+/// A corner that is off a plane, where no other one is on the same side of it.
+std::size_t lone_corner(const Signs& signs) {
+  const auto is_lone = [&](std::size_t i) {
+    return signs[i] != 0 && std::count(signs.begin(), signs.end(), signs[i]) == 1;
+  };
+  return is_lone(0) ? 0 : is_lone(1) ? 1 : 2;
+}
+
+/// Whether two triangles meet the line in which their planes cross in intervals that overlap: by two volumes, as in
+/// [GuigueDevillers2003]. Pre: each has a corner off the plane of the other one, alone on its side.
+bool share_a_segment(const Triangle& a, const Signs& of_a, const Triangle& b, const Signs& of_b) {
+  const std::size_t i = lone_corner(of_a), j = lone_corner(of_b);
+  const std::size_t a1 = next_corner[i], a2 = next_corner[a1], b1 = next_corner[j], b2 = next_corner[b1];
+  const bool turns_a = of_b[j] < 0, turns_b = of_a[i] < 0;
+  return geometry::orient3d(a[i], a[turns_a ? a2 : a1], b[j], b[turns_b ? b2 : b1]) < 0 &&
+         geometry::orient3d(a[i], a[turns_a ? a1 : a2], b[turns_b ? b1 : b2], b[j]) < 0;
 }
 
 /// The sides of t where another triangle that meets it is.
@@ -52,7 +62,7 @@ Sides sides_of(const Triangle& other, const Triangle& t) {
   const bool is_one_sided = sides != (in_front | behind);
   if (is_one_sided && std::count(signs.begin(), signs.end(), 0) < 2) return sides;  // a corner at most touches
   const Signs own_signs = sides_of_corners(t, other);
-  if (has(own_signs, 1) && has(own_signs, -1) && !meet_in_a_corner(t, other)) sides |= across;
+  if (has(own_signs, 1) && has(own_signs, -1) && share_a_segment(t, own_signs, other, signs)) sides |= across;
   return sides;
 }
 
@@ -116,21 +126,32 @@ void Shells::find_sides() {
     const Triangle t = triangle(f);
     is_degenerate_[f] = geometry::are_collinear(t.v0, t.v1, t.v2);
   }
+  bool is_same = true, is_opposite = true;
   std::size_t i = 0;
   for (FacetId f = 0; f < count_; ++f) {
     const std::span<Meeting> meetings = meetings_.of(f);
     if (cells_.meter.is_spent_at(f)) return;
+    if (is_degenerate_[f]) continue;  // a triangle without area keeps no cells apart
+    const Triangle t = triangle(f);
+    WindingNumbers jump{};  // by how much they are larger behind f and its copies than in front of them
+    jump[pair::index(side_of(f))] = 1;
     for (Meeting& m : meetings) {
       if (cells_.meter.is_spent_at(++i)) return;
-      // A triangle without area keeps no cells apart.
-      const bool counts = !is_degenerate_[f] && !is_degenerate_[m.other];
-      m.sides = counts ? sides_of(triangle(m.other), triangle(f)) : Sides{0};
-      if (counts && m.other < f && m.sides == 0) {
-        is_copy_[f] = is_copy_[f] || is_copy(triangle(m.other), triangle(f)) != 0;
+      if (is_degenerate_[m.other]) continue;
+      const Triangle other = triangle(m.other);
+      m.sides = sides_of(other, t);
+      if (m.sides == 0) {
+        const int copy = is_copy(other, t);
+        jump[pair::index(side_of(m.other))] += copy;
+        is_copy_[f] = is_copy_[f] || (copy != 0 && m.other < f);
       }
       if ((m.sides & across) != 0) cut_halves_[f] |= m.sides & (in_front | behind);
+      if (is_through(m)) cut_halves_[f] |= across;
     }
+    is_same = is_same && jump[0] == jump[1], is_opposite = is_opposite && jump[0] == -jump[1];
   }
+  // If they are equal everywhere, but for the sign, no cell is in one solid alone.
+  if (is_same || is_opposite) cells_.note_missing(in_a_alone), cells_.note_missing(in_b_alone);
 }
 
 bool Shells::cuts_wedge(FacetId f, FacetId neighbor, Sides half, bool is_convex, const Segment& edge) const {
@@ -177,8 +198,8 @@ void Shells::join_neighbors(pair::Side s, FacetId first) {
 
 void Shells::look() {
   find_sides();
-  if (!cells_.is_stopped()) join_neighbors(pair::Side::a, 0);
-  if (!cells_.is_stopped()) join_neighbors(pair::Side::b, count_of_a_);
+  if (!cells_.are_all_known() && !cells_.is_stopped()) join_neighbors(pair::Side::a, 0);
+  if (!cells_.are_all_known() && !cells_.is_stopped()) join_neighbors(pair::Side::b, count_of_a_);
   for (FacetId f = 0; f < count_ && !cells_.are_all_known() && !cells_.meter.is_spent_at(f); ++f) {
     if (is_degenerate_[f]) continue;
     for (const Sides half : {in_front, behind}) {
@@ -201,18 +222,22 @@ void Shells::look_into_pieces(FacetId f) {
   }
 }
 
+bool Shells::is_looked_into_before(FacetId x, FacetId f) const {
+  const Sides of_x = cut_halves_[x] & across, of_f = cut_halves_[f] & across;
+  return of_x != of_f ? of_x != 0 : x < f;
+}
+
 void Shells::look_along_cut(FacetId f, const Meeting& cutter) {
-  const bool is_through = (cutter.sides & in_front) != 0 && (cutter.sides & behind) != 0;
-  if (is_through && cutter.other < f) return;  // done from there
-  Cut cut(triangle(f), side_of(f), triangle(cutter.other), side_of(cutter.other));
-  if (!cut.is_segment()) return;
-  add_crossers(cut, f, cutter.other);
-  if (is_through && !cut.is_shared()) return cut.look_everywhere(cells_);
-  if ((cutter.sides & in_front) != 0) cut.look(cells_, 1);
-  if ((cutter.sides & behind) != 0) cut.look(cells_, -1);
-  if (!is_through) return;
-  Cut turned(triangle(cutter.other), side_of(cutter.other), triangle(f), side_of(f));
-  add_crossers(turned, cutter.other, f);
+  const FacetId x = cutter.other;
+  const Sides halves = cut_halves_[x] & (in_front | behind);
+  if (halves == 0 || is_looked_into_before(x, f)) return;
+  Cut cut(triangle(f), side_of(f), triangle(x), side_of(x));
+  add_crossers(cut, f, x);
+  if (!is_through(cutter)) return cut.look(cells_, (cutter.sides & in_front) != 0 ? 1 : -1);
+  if (!cut.is_shared()) return cut.look_everywhere(cells_);
+  for (const int side : {1, -1}) cut.look(cells_, side);
+  Cut turned(triangle(x), side_of(x), triangle(f), side_of(f));
+  add_crossers(turned, x, f);
   for (const int side : {1, -1}) turned.look(cells_, side);
 }
 

@@ -21,7 +21,7 @@ using FacetId = VertexId;
 /// How a facet lies to another one, as bits.
 using Sides = std::uint8_t;
 inline constexpr Sides in_front = 1, behind = 2;  // some part of it is strictly on that side of the other one's plane
-inline constexpr Sides across = 4;                // it may cross the interior of the other one in a segment
+inline constexpr Sides across = 4;                // it crosses the interior of the other one in a segment
 
 /// Another facet, which one meets elsewhere than in what they share by vertex ids.
 struct Meeting {
@@ -34,7 +34,7 @@ struct Meeting {
 /// One side of a triangle is a half-facet. It lies in one cell if no other triangle crosses it. Two of them lie in the
 /// same cell if they are neighbors across an edge and nothing is between them there. Half-facets that are joined that
 /// way are a shell, and one probe looks for all of them. A half-facet that others cross falls into pieces; each has a
-/// part of a cut as border, and is looked into from there.
+/// part of a cut as border, and is looked into from there, unless one that borders the same cell is.
 class Shells {
  public:
   /// `contacts` are all pairs of triangles of a and b that meet.
@@ -56,6 +56,8 @@ class Shells {
   /// Whether a facet cuts the wedge between the half-facets of two neighbors, next to the edge between these points.
   bool cuts_wedge(FacetId f, FacetId neighbor, Sides half, bool is_convex, const Segment& edge) const;
   void look_into_pieces(FacetId f);
+  /// Whether the cut of both is looked into from x: an order of facets. Those crossed from side to side come first.
+  bool is_looked_into_before(FacetId x, FacetId f) const;
   void look_along_cut(FacetId f, const Meeting& cutter);
   /// Adds to the cut of two facets all others that meet both.
   void add_crossers(Cut& cut, FacetId f, FacetId other) const;
@@ -65,8 +67,9 @@ class Shells {
   mesh::VertexLists<Meeting> meetings_;  // of each facet, in the order of the others
   std::vector<bool> is_degenerate_;      // for each facet
   std::vector<bool> is_copy_;            // for each facet: whether one with the same corners comes before it
-  std::vector<Sides> cut_halves_;        // for each facet: its half-facets that others cross
-  DisjointSets shells_;                  // of half-facets
+  std::vector<Sides>
+      cut_halves_;       // for each facet: its half-facets that others cross; and `across` if one is on either side
+  DisjointSets shells_;  // of half-facets
 };
 
 }  // namespace limber::solid

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -427,19 +428,39 @@ Mesh crossing_tetrahedra(int count) {
 }
 
 // Four times as many crossings may take somewhat more than four times the work: a ray meets twice as many bodies. A ray
-// from each point where three triangles meet takes eight times the work, or more.
+// from each point where three triangles meet takes eight times the work, or more. Equal bodies need no look at cuts.
 TEST(SolidRelation, TakesWorkInProportionToCrossings) {
-  for (const bool are_bars : {true, false}) {
-    std::uint64_t last = 0;
+  const Mesh far = box_mesh({8, 8, 8}, {9, 9, 9});
+  for (const auto& [relation, most] :
+       {std::pair{SolidRelation::touching, 6.0}, {SolidRelation::a_inside_b, 6.0}, {SolidRelation::equal, 4.0}}) {
+    double last = 0;
     for (const int m : {4, 8, 16}) {
+      const bool are_bars = relation == SolidRelation::touching;
       const Mesh a = are_bars ? grating(m) : crossing_tetrahedra(m);
-      const SolidRelationResult found = relation_of(a, are_bars ? box_mesh({-1, -1, -1}, {m + 1.0, m + 1.0, 0}) : a);
-      EXPECT_EQ(found.relation, are_bars ? SolidRelation::touching : SolidRelation::equal) << m;
-      const std::uint64_t work = found.stats.node_tests + found.stats.primitive_tests;
-      EXPECT_LT(work, last > 0 ? 6 * last : work + 1) << m << (are_bars ? " bars" : " tetrahedra");
+      const Mesh b = are_bars ? box_mesh({-1, -1, -1}, {m + 1.0, m + 1.0, 0}) : a;
+      const SolidRelationResult found = relation_of(a, relation == SolidRelation::a_inside_b ? joined(b, far) : b);
+      EXPECT_EQ(found.relation, relation) << m;
+      const auto work = static_cast<double>(found.stats.node_tests + found.stats.primitive_tests);
+      EXPECT_LT(work, last > 0 ? most * last : work + 1) << m << " bodies, relation " << static_cast<int>(relation);
       last = work;
     }
   }
+}
+
+// Walls that nothing else crosses are shells, so none of the n cuts of an outline needs a ray.
+TEST(SolidRelation, SendsNoRayAlongAFlushOutline) {
+  constexpr VertexId n = 256;
+  std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 1}};
+  std::vector<Corners> triangles;
+  for (VertexId i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    const VertexId from = 2 + i, to = 2 + (i + 1) % n;
+    positions.push_back({std::cos(angle), std::sin(angle), 0});
+    triangles.push_back({from, to, 1}), triangles.push_back({to, from, 0});
+  }
+  const SolidRelationResult found = relation_of(small_mesh(positions, triangles), box_mesh({-2, -2, -1}, {2, 2, 0}));
+  EXPECT_EQ(found.relation, SolidRelation::touching);
+  EXPECT_LT(found.stats.node_tests + found.stats.primitive_tests, 70 * n);  // with rays 118 n
 }
 
 TEST(SolidRelation, OfASpentBudgetIsUndecidedUntilItIsProven) {
