@@ -8,6 +8,7 @@
 // approach along their normal by x and y. What leads away or sideways is free.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -46,8 +47,14 @@ void check_separation(double separation, const char* function) {
                  (std::string(function) + ": the separation must be from 0 to 2^200").c_str());
 }
 
-double largest(std::span<const double> numbers) {
-  return numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
+/// Of the vertices that triangles have: no pair of elements limits any other.
+double largest_of(const Mesh& mesh, std::span<const double> numbers) {
+  double result = 0;
+  if (numbers.empty()) return result;
+  for (const Corners& corners : mesh.triangles()) {
+    for (const VertexId v : corners) result = std::max(result, numbers[v]);
+  }
+  return result;
 }
 
 double mean_length(const Mesh& mesh, std::span<const std::array<VertexId, 2>> edges) {
@@ -59,14 +66,16 @@ double mean_length(const Mesh& mesh, std::span<const std::array<VertexId, 2>> ed
 /// What the corners of two elements would like to do.
 struct Wishes {
   std::size_t count;                // of corners of the first element; the others are those of the second
-  std::array<double*, 4> number{};  // what limits a corner; null if it stays
+  std::array<double*, 4> number{};  // what limits a corner; null if it stays, or is one of the corners before
   std::array<double, 4> approach{};
 
   Wishes(std::span<double> of_a, std::span<double> of_b, const std::array<VertexId, 4>& vertices, std::size_t of_first)
       : count(of_first) {
     for (std::size_t i = 0; i < 4; ++i) {
       const std::span<double> numbers = i < count ? of_a : of_b;
-      if (!numbers.empty()) number[i] = &numbers[vertices[i]], approach[i] = *number[i];
+      const auto before = vertices.begin() + (i < count ? 0 : count), here = vertices.begin() + i;
+      if (numbers.empty() || std::find(before, here, *here) != here) continue;
+      number[i] = &numbers[*here], approach[i] = *number[i];
     }
   }
   double first_wants() const { return std::max(0.0, *std::max_element(approach.begin(), approach.begin() + count)); }
@@ -132,7 +141,7 @@ void share_displacements(const Placed& a, const Placed& b, double separation, st
   // First pairs about an edge apart: in one mesh they leave no wish much larger, so few others or none are left.
   double shared = 0;
   for (const double most : {mean_length(mesh_a, edges_a), std::numeric_limits<double>::infinity()}) {
-    const double margin = room.margin(std::min(most, largest(of_a) + largest(of_b)));
+    const double margin = room.margin(std::min(most, largest_of(mesh_a, of_a) + largest_of(mesh_b, of_b)));
     if (margin > shared) share_within(shared = margin);
   }
 }
@@ -160,15 +169,23 @@ class SharedMotions {
 
   void compare(const ElementPair& pair, const MovingElements& elements) {
     using enum ElementPair::Kind;
-    const Vec3(&start)[4] = elements.corners[0], (&end)[4] = elements.corners[1];
+    double largest = 0;  // of coordinates
+    for (const auto& corners : elements.corners) {
+      for (const Vec3& p : corners) largest = std::max(largest, max_abs(p));
+    }
+    // Squares of tiny lengths would vanish. What is granted is a part, which no unit changes.
+    const double unit = 0 < largest && largest < 0x1p-300 ? std::ldexp(1.0, std::min(-std::ilogb(largest), 1000)) : 1;
+    const double rounding = 0x1p-47 * unit * largest;  // of positions
+    Vec3 start[4], end[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      start[k] = unit * elements.corners[0][k], end[k] = unit * elements.corners[1][k];
+    }
     const std::size_t count = pair.kind == edge_edge ? 2 : pair.kind == vertex_face ? 1 : 3;
     Wishes wishes(of_a_, of_b_, models_.vertices(pair), count);
     Vec3 at[4], way[4];
-    double rounding = 0;  // of positions
     for (std::size_t i = 0; i < 4; ++i) {
       const std::size_t k = pair.kind == face_vertex ? (i + 1) % 4 : i;  // of `elements` the vertex is the first
       at[i] = start[k] - start[0], way[i] = wishes.approach[i] * (end[k] - start[k]);
-      rounding = std::max({rounding, 0x1p-47 * max_abs(start[k]), 0x1p-47 * max_abs(end[k])});
       wishes.approach[i] = length(way[i]);
     }
     const ClosestPoints closest =
@@ -187,7 +204,7 @@ class SharedMotions {
       normals[2] = cross(edge, way[0] + way[1] - way[2] - way[3]);
       normals[3] = across(across(shortest));  // again: rounding has left something along the edge
     }
-    const double kept = std::min(separation_, closest.distance);
+    const double kept = std::min(unit * separation_, closest.distance);
     double best_room = 0, best = -1;  // the part of their wishes that elements are granted; without planes they stay
     Wishes chosen = wishes;
     for (std::size_t k = 0; k < 8; ++k) {

@@ -102,16 +102,18 @@ class MovingDistance {
   }
   /// A shadow is not left half built when the deadline passes.
   bool has_time_for_shadow() const {
-    const std::chrono::nanoseconds needed(static_cast<std::int64_t>(250 * work_of_shadow()));
+    const std::chrono::nanoseconds needed(static_cast<std::int64_t>(2e4 + 2e3 * triangle_count()));
     return !options_.budget.deadline || std::chrono::steady_clock::now() + needed < *options_.budget.deadline;
   }
   void learn(double spared) {
     const bool was_worth_it = spared * work_ > work_of_shadow() * static_cast<double>(count);
     next_shadow_ = was_worth_it ? work_ + 0.5 * work_of_shadow() : 4 * work_;
   }
-  /// To map a triangle and build a model of it takes as long as some tests of nodes.
-  double work_of_shadow() const {
-    return 8.0 * static_cast<double>(a_.model().mesh().triangles().size() + b_.model().mesh().triangles().size());
+  /// To map a triangle and build a model of it takes as long as some tests of nodes; two models of few triangles, as long
+  /// as thousands.
+  double work_of_shadow() const { return 3000 + 8 * triangle_count(); }
+  double triangle_count() const {
+    return static_cast<double>(a_.model().mesh().triangles().size() + b_.model().mesh().triangles().size());
   }
   /// A lower bound of the distance of the bodies, as a shadow shows it.
   double distance_of(const Shadow& shadow, DistanceOptions wanted) {

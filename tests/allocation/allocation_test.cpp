@@ -94,6 +94,20 @@ TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
   EXPECT_EQ(allocation_count(), before);
 }
 
+TEST(Allocation, DoesNotHappenWhereSmallBodiesFlyPastEachOther) {
+  const Shape crate = Shape::box({0.3, 0.5, 0.4}), bullet = Shape::sphere(0.02);
+  scenes::Rng rng(17);
+  std::size_t near = 0;
+  const std::uint64_t before = allocation_count();
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 start{-3, rng.uniform(-1, 1), rng.uniform(-1, 1)}, end{3, rng.uniform(-1, 1), rng.uniform(-1, 1)};
+    const PathImpact impact = time_of_impact(bullet, RigidMotion({{}, start}, {{}, end}), crate, {});
+    near += impact.distance_count > 3 ? 1 : 0;
+  }
+  EXPECT_GT(near, 100U);
+  EXPECT_EQ(allocation_count(), before);
+}
+
 TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   QueryCache cache;

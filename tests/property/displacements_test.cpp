@@ -123,18 +123,45 @@ TEST(Displacements, KeepElementsApart) {
 }
 
 TEST(Displacements, AlongMotionsAreThoseThatApproach) {
-  const Model floor(scenes::grid(8, 8, -1, -1, 0.25, 0.25));
-  MovingModel still(floor);
-  ASSERT_TRUE(still.set_motion(floor.mesh().positions()));
-  for (const double height : {0.002, 0.001}) {
-    const Model sheet(mapped(floor.mesh(), [&](const Vec3& p) { return 0.3 * p + Vec3{0, 0, height}; }));
-    for (const Vec3& way : {Vec3{0, 0, 1}, Vec3{0.5, 0.2, 0}, Vec3{0.5, 0.2, 1}, Vec3{0, 0, -1}, Vec3{1, 0, -0.5}}) {
-      MovingModel moving(sheet);
-      ASSERT_TRUE(moving.set_motion(mapped(sheet.mesh(), [&](const Vec3& p) { return p + way; }).positions()));
-      std::vector<double> fractions(floor.mesh().positions().size(), 1.0);
-      limit_motions(moving, still, 0.001, fractions);
-      for (const double f : fractions) EXPECT_NEAR(f, way.z < 0 ? (height - 0.001) / -way.z : 1, 1e-9) << way.z;
+  for (const double unit : {1.0, 1e-160, 1e-200, 1e-300, 1e50}) {
+    const Model floor(mapped(scenes::grid(8, 8, -1, -1, 0.25, 0.25), [&](const Vec3& p) { return unit * p; }));
+    MovingModel still(floor);
+    ASSERT_TRUE(still.set_motion(floor.mesh().positions()));
+    for (const double height : {0.002, 0.001}) {
+      const Model sheet(mapped(floor.mesh(), [&](const Vec3& p) { return 0.3 * p + Vec3{0, 0, unit * height}; }));
+      for (const Vec3& way : {Vec3{0, 0, 1}, Vec3{0.5, 0.2, 0}, Vec3{0.5, 0.2, 1}, Vec3{0, 0, -1}, Vec3{1, 0, -0.5}}) {
+        MovingModel moving(sheet);
+        ASSERT_TRUE(moving.set_motion(mapped(sheet.mesh(), [&](const Vec3& p) { return p + unit * way; }).positions()));
+        std::vector<double> fractions(floor.mesh().positions().size(), 1.0);
+        limit_motions(moving, still, unit * 0.001, fractions);
+        for (const double f : fractions) EXPECT_NEAR(f, way.z < 0 ? (height - 0.001) / -way.z : 1, 1e-9) << way.z;
+      }
     }
+  }
+}
+
+TEST(Displacements, OfAVertexThatAFaceNamesTwiceAreThoseOfTwoVertices) {
+  const Model other(Mesh::create({{1, 2, 0.75}, {0.5, 1.5, 0}, {0.25, 0.75, 1.75}}, {{0, 1, 2}}).value());
+  MovingModel still(other);
+  ASSERT_TRUE(still.set_motion(other.mesh().positions()));
+  for (const bool is_along : {false, true}) {
+    std::vector<double> limits[2];
+    for (const bool twice : {false, true}) {
+      const std::vector<Vec3> start{{0.25, 0.5, 2}, {0, 1.25, 1.75}, {0, 1.25, 1.75}};
+      const Model needle(Mesh::create(start, {{0, 1, twice ? 1U : 2U}}).value());
+      MovingModel moving(needle);
+      ASSERT_TRUE(moving.set_motion(std::vector<Vec3>{{0.5, 1, 0.5}, {0.5, 1.25, 0.5}, {0.5, 1.25, 0.5}}));
+      limits[twice].assign(3, is_along ? 1 : 1e6);
+      std::vector<double> stays;
+      if (is_along) {
+        limit_motions(moving, still, 0.01, limits[twice], stays);
+      } else {
+        limit_displacements({needle}, {other}, 0, limits[twice], stays);
+      }
+    }
+    EXPECT_LT(limits[0][1], is_along ? 1 : 1e6);
+    EXPECT_EQ(limits[1][0], limits[0][0]);
+    EXPECT_EQ(limits[1][1], limits[0][1]);
   }
 }
 
