@@ -158,6 +158,8 @@ double relative_speed(const Body& a, const RigidMotion& motion_a, const Body& b,
   return (straight + turning_speed(a, motion_a) + turning_speed(b, motion_b)) * (1 + 0x1p-40);
 }
 
+const MovingBodies* no_motions() { return nullptr; }
+
 PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& options) {
   return first_impact(moving, 0, options);
 }
@@ -165,11 +167,11 @@ PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& option
 /// Checks the options, and answers one of the two questions.
 template <auto question>
 auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
-         const PathOptions& options, const char* function, const MovingBodies* bodies = nullptr) {
+         const PathOptions& options, const char* function, FindMotions motions) {
   check_options(options, function);
   check_speed(path_a.speed, function), check_speed(path_b.speed, function);
   require(std::isfinite(speed), function, "the sum of both speeds must be finite");
-  MovingDistance moving(a, path_a, b, path_b, speed, options, bodies);
+  MovingDistance moving(a, path_a, b, path_b, speed, options, motions);
   return question(moving, options);
 }
 
@@ -180,7 +182,7 @@ auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidM
   const auto pose_b = [&](double time) { return motion_b.at(time); };
   const MovingBodies bodies{a, motion_a, b, motion_b};
   return ask<question>(a, RigidPath{pose_a}, b, RigidPath{pose_b}, relative_speed(a, motion_a, b, motion_b), options,
-                       function, &bodies);
+                       function, [&] { return &bodies; });
 }
 
 }  // namespace
@@ -205,11 +207,16 @@ PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMoti
                         double begin, const PathOptions& options) {
   const auto stands = [&](double) { return standing.pose; };
   const RigidPath path_of_standing{stands};
-  const RigidMotion still(standing.pose);
-  const MovingBodies bodies{body, motion != nullptr ? *motion : still, standing.body(), still};
-  const bool is_motion = motion != nullptr && still.start() == standing.pose;  // which may have been skew
-  MovingDistance moving(body, path, standing.body(), path_of_standing, path.speed, options,
-                        is_motion ? &bodies : nullptr);
+  std::optional<RigidMotion> still;
+  std::optional<MovingBodies> bodies;
+  const auto motions = [&]() -> const MovingBodies* {
+    if (motion == nullptr) return nullptr;
+    if (!still) still.emplace(standing.pose);
+    if (still->start() != standing.pose) return nullptr;  // it is skew
+    if (!bodies) bodies.emplace(MovingBodies{body, *motion, standing.body(), *still});
+    return &*bodies;
+  };
+  MovingDistance moving(body, path, standing.body(), path_of_standing, path.speed, options, motions);
   return first_impact(moving, begin, options);
 }
 
@@ -219,7 +226,7 @@ PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
   return path::ask<path::impact_on_whole_way>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
-                                              "limber::time_of_impact");
+                                              "limber::time_of_impact", path::no_motions);
 }
 
 PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
@@ -231,7 +238,8 @@ PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body
 PathDistance min_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, "limber::min_distance");
+  return path::ask<path::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, "limber::min_distance",
+                                  path::no_motions);
 }
 
 PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,

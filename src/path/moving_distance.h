@@ -15,18 +15,22 @@
 
 namespace limber::path {
 
+/// Returns how two bodies move, or null where their paths are no motions.
+using FindMotions = FunctionRef<const MovingBodies*()>;
+
 /// Distances of two models at times on their paths, until the budget is spent.
 class MovingDistance {
  public:
+  /// Motions are asked for only where a shadow may pay.
   MovingDistance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
-                 const PathOptions& options, const MovingBodies* bodies)
+                 const PathOptions& options, FindMotions motions)
       : a_(a),
         b_(b),
         path_a_(path_a),
         path_b_(path_b),
         options_(options),
         speed_(speed),
-        bodies_(bodies),
+        motions_(motions),
         meter_(options.budget) {}
 
   /// The distance at a time. Nothing if the budget does not allow another one.
@@ -49,7 +53,9 @@ class MovingDistance {
   double apart_until(double time, double end, double distance, double gap) {
     const auto spared_until = [&](double until) { return (until - time) / time_for(gap); };
     if (!is_worth_a_shadow(spared_until(end))) return time;
-    const Shadow shadow(*bodies_, time, 0.5 * gap / (end - time));
+    const MovingBodies* const bodies = motions_();
+    if (bodies == nullptr) return learn(0), time;
+    const Shadow shadow(*bodies, time, 0.5 * gap / (end - time));
     if (shadow.speed() > 0.25 * speed_) return learn(0), time;
     const double needed = shadow.speed() * (end - time);
     const double limit = distance + 1.1 * needed + 0.1 * gap + a_.radius() + b_.radius();
@@ -63,8 +69,10 @@ class MovingDistance {
   /// pass each other at one distance. It is 0 where no shadow is likely to spare many distances.
   double least_until(double end, double error) {
     if (work_ < 2 * work_of_shadow() || !is_worth_a_shadow(most_in(end) / error)) return 0;
-    const Shadow shadow(*bodies_, 0.5 * end, error / end);
     next_shadow_ = 4 * work_;
+    const MovingBodies* const bodies = motions_();
+    if (bodies == nullptr) return 0;
+    const Shadow shadow(*bodies, 0.5 * end, error / end);
     if (0.5 * end * shadow.speed() > error) return 0;
     return std::max(0.0, distance_of(shadow, {.absolute_error = 0.5 * error}) - shadow.speed() * 0.5 * end);
   }
@@ -97,7 +105,7 @@ class MovingDistance {
   /// Whether a shadow is likely to take less work than a number of distances. Only once distances have taken about as
   /// much: most queries need few.
   bool is_worth_a_shadow(double distances) const {
-    if (bodies_ == nullptr || work_ < next_shadow_ || count >= options_.budget.max_steps) return false;
+    if (work_ < next_shadow_ || count >= options_.budget.max_steps) return false;
     return distances * work_ > 2 * work_of_shadow() * static_cast<double>(count) && has_time_for_shadow();
   }
   /// A shadow is not left half built when the deadline passes.
@@ -109,8 +117,8 @@ class MovingDistance {
     const bool was_worth_it = spared * work_ > work_of_shadow() * static_cast<double>(count);
     next_shadow_ = was_worth_it ? work_ + 0.5 * work_of_shadow() : 4 * work_;
   }
-  /// To map a triangle and build a model of it takes as long as some tests of nodes; two models of few triangles, as long
-  /// as thousands.
+  /// To map a triangle and build a model of it takes as long as some tests of nodes; two models of few triangles take
+  /// as long as thousands.
   double work_of_shadow() const { return 3000 + 8 * triangle_count(); }
   double triangle_count() const {
     return static_cast<double>(a_.model().mesh().triangles().size() + b_.model().mesh().triangles().size());
@@ -127,7 +135,7 @@ class MovingDistance {
   const RigidPath &path_a_, &path_b_;
   const PathOptions& options_;
   double speed_;
-  const MovingBodies* bodies_;  // whose paths are motions; or null
+  FindMotions motions_;
   pair::BudgetMeter meter_;
   double work_ = 0;  // of distances, in tests of nodes and triangles
   double next_shadow_ = 0.5 * work_of_shadow();

@@ -142,7 +142,7 @@ TEST(Shadow, SparesDistancesWhereBodiesPassClosely) {
       {peg, hole, {{}, turned}, {}},
       {peg, hole, {{}, screwed}, {}},
       {peg, blind, {above, {{}, {0, 0, -0.5}}}, 0.75},
-      {sheet, floor, {{{}, {-1, 0, 1e-4}}, {{}, {1, 0.3, 1e-4}}}, {}},
+      {sheet, floor, {{{}, {-1, 0, 1e-4}}, {{}, {1, 0.3, 1e-4}}}, {}, 500},
       {sheet, floor, {{{}, {-1, 0, 1e-4}}, {{}, {1, 0.3, -1e-4}}}, 0.5, 5'000},
   };
   int number = 0;
