@@ -118,8 +118,8 @@ class MovingDistance {
     next_shadow_ = was_worth_it ? work_ + 0.5 * work_of_shadow() : 4 * work_;
   }
   /// To map a triangle and build a model of it takes as long as some tests of nodes; two models of few triangles take
-  /// as long as thousands.
-  double work_of_shadow() const { return 3000 + 8 * triangle_count(); }
+  /// as long as hundreds.
+  double work_of_shadow() const { return 600 + 8 * triangle_count(); }
   double triangle_count() const {
     return static_cast<double>(a_.model().mesh().triangles().size() + b_.model().mesh().triangles().size());
   }
