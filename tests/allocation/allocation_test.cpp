@@ -94,18 +94,18 @@ TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
   EXPECT_EQ(allocation_count(), before);
 }
 
-TEST(Allocation, DoesNotHappenWhereSmallBodiesFlyPastEachOther) {
+TEST(Allocation, HardlyHappensWhereSmallBodiesFlyPastEachOther) {
   const Shape crate = Shape::box({0.3, 0.5, 0.4}), bullet = Shape::sphere(0.02);
   scenes::Rng rng(17);
-  std::size_t near = 0;
-  const std::uint64_t before = allocation_count();
+  std::size_t near = 0, allocating = 0;
   for (int i = 0; i < 300; ++i) {
+    const std::uint64_t before = allocation_count();
     const Vec3 start{-3, rng.uniform(-1, 1), rng.uniform(-1, 1)}, end{3, rng.uniform(-1, 1), rng.uniform(-1, 1)};
     const PathImpact impact = time_of_impact(bullet, RigidMotion({{}, start}, {{}, end}), crate, {});
-    near += impact.distance_count > 3 ? 1 : 0;
+    near += impact.distance_count > 3 ? 1 : 0, allocating += allocation_count() > before ? 1 : 0;
   }
   EXPECT_GT(near, 100U);
-  EXPECT_EQ(allocation_count(), before);
+  EXPECT_LT(allocating, 15U);  // those that pass so closely that shadows of both are worth it
 }
 
 TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
