@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures that docs/experiments.md shows, from the results of the thesis benchmarks.
+"""Figures that the pages of the classic engine show, from the results of the thesis benchmarks.
 
 Takes the folder of results. Writes docs/images/thesis_queries.svg and docs/images/thesis_updates.svg.
 """
