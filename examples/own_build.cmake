@@ -25,11 +25,19 @@ file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/falling/body.obj CONTENT "v -9
 v 2 2 0\nv 10 2 0\nv 10 10 0\nv 2 10 0\nv 6 6 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 f 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n")
 
-# add_page(PAGE NAME OUTPUT [FOLDER]): the program of a page, and a regular expression that its output matches; with
-# the meshes of another folder.
+# add_page(PAGE NAME OUTPUT [FOLDER folder] [BELOW heading]): the first program of a page, or below a heading, and a
+# regular expression that its output matches; with the meshes of another folder.
 function(add_page page name output)
+  cmake_parse_arguments(PARSE_ARGV 3 arg "" "FOLDER;BELOW" "")
   set(file ${limber_SOURCE_DIR}/${page})
   file(READ ${file} text)
+  if(arg_BELOW)
+    string(FIND "${text}" "\n## ${arg_BELOW}\n" begin)
+    if(begin EQUAL -1)
+      message(FATAL_ERROR "${page} has no heading ${arg_BELOW}")
+    endif()
+    string(SUBSTRING "${text}" ${begin} -1 text)
+  endif()
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
   set(fence "```cpp\n")
   string(FIND "${text}" "${fence}" begin)
@@ -44,17 +52,18 @@ function(add_page page name output)
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp CONTENT "${program}" @ONLY)
   add_executable(example_${name} ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
   target_link_libraries(example_${name} PRIVATE limber::limber limber::io)
-  add_test(NAME example.${name} COMMAND example_${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${ARGN})
+  add_test(NAME example.${name} COMMAND example_${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${arg_FOLDER})
   set_tests_properties(example.${name} PROPERTIES PASS_REGULAR_EXPRESSION "${output}")
 endfunction()
 
 add_page(README.md readme "to 1.5 apart.*to 0.5 apart\n.*closer than 0.75\nframe 3: 0 to 0 apart\n.*touching\n$")
 add_page(docs/guide/contacts.md contacts_page "^frame 2: .*gap 0.5\nframe 3: triangles 0 and 0, gap 0\n$")
-add_page(docs/guide/motion.md motion_page "^(0\\.01[0-9]+ apart\n)+$" falling)
+add_page(docs/guide/motion.md motion_page "^(0\\.01[0-9]+ apart\n)+$" FOLDER falling)
 add_page(docs/guide/deadlines.md deadlines_page "tick 0: .* apart.*tick 3: .* to 0.4 apart")
 add_page(docs/guide/scenes.md scenes_page "frame 3: 0 and 1, 0.4 apart\n$")
 add_page(docs/guide/solids.md solids_page "^pipe at -3: clear\npipe at -2: touches\npipe at -1: clash\n$")
 add_page(docs/guide/shapes.md shapes_page "1.375 over.*\nhand at 1: 0.375 .*, in the crate\nhand at 0.6: 0 .*, in the crate\n$")
 add_page(docs/guide/mesh_files.md mesh_files_page "^1 triangles of 1 faces\n$")
-add_page(docs/guide/migration_cpp.md migration_page "^meet: 0\n2 apart, triangles 0 and 0\n0.5 apart\n$")
-add_page(docs/guide/migration_physics.md physics_page "at rest at height 0.51\nat rest at height 1.52\nat rest at height 2.53\n$")
+add_page(docs/guide/from_other_libraries_cpp.md other_libraries_page "^meet: 0\n2 apart, triangles 0 and 0\n0.5 apart\n$")
+add_page(docs/guide/from_other_libraries_cpp.md physics_page "at rest at height 0.51\nat rest at height 1.52\nat rest at height 2.53\n$"
+  BELOW "Physics engines")

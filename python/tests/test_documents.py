@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(not (ROOT / "README.md").is_file(), reason="the 
         ("README.md", "2.0 Witness(point_a=(1.0, 0.0, 0.0)"),
         ("docs/guide/uses.md", "8.0"),
         ("docs/guide/python.md", "0.0 0.0 Witness("),
-        ("docs/guide/python_migration.md", "False 1.0\n"),
+        ("docs/guide/from_other_libraries_python.md", "False 1.0\n"),
         ("docs/guide/python_cluster.md", "4000 poses in 4 partitions, of which 0 were done\n1000 poses meet\n"),
     ],
 )
@@ -141,7 +141,7 @@ def test_snippets_compute_the_same(package: str) -> None:
     theirs = {**given(), **modules}
     ours = {**given(), "limber3d": limber3d, "trimesh": importlib.import_module("trimesh")}
     compared: list[str] = []
-    for group in groups((ROOT / "docs/guide/python_migration.md").read_text(encoding="utf-8")):
+    for group in groups((ROOT / "docs/guide/from_other_libraries_python.md").read_text(encoding="utf-8")):
         our_values = run(group["limber3d"], ours)
         if package in group:
             their_values = run(group[package], theirs)

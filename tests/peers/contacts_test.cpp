@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Contacts that were wrong, repeated, missing or silently cut off. The table of all cases is docs/peers.md.
+// Contacts that were wrong, repeated, missing or silently cut off.
 #include <cmath>
 #include <set>
 #include <utility>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Triangles without area, edges without length, numbers that are none. The table of all cases is docs/peers.md.
+// Triangles without area, edges without length, numbers that are none.
 #include <limits>
 #include <optional>
 #include <stdexcept>

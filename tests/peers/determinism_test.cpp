@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Answers that depended on the processor, on threads or on chance, and questions that never got one. The table of all
-// cases is docs/peers.md.
+// Answers that depended on the processor, on threads or on chance, and questions that never got one.
 #include <oneapi/tbb/task_arena.h>
 
 #include <bit>

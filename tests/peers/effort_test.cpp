@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Work that other libraries do without need, in counts that do not depend on the machine. The table of all cases is
-// docs/peers.md.
+// Work that other libraries do without need, in counts that do not depend on the machine.
 #include <array>
 
 #include "allocation/heap.h"

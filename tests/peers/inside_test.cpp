@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Distances of points whose sign was wrong, or whose value on the surface was none. The table of all cases is
-// docs/peers.md.
+// Distances of points whose sign was wrong, or whose value on the surface was none.
 #include "limber/points.h"
 #include "peers.h"
 #include "support/rational_winding.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Broad phases that did not notice that a body had moved or deformed. The table of all cases is docs/peers.md.
+// Broad phases that did not notice that a body had moved or deformed.
 #include <stdexcept>
 
 #include "limber/scene.h"

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What other libraries answered wrongly about bodies that overlap, touch or contain each other. The table of all cases
-// is docs/peers.md.
+// What other libraries answered wrongly about bodies that overlap, touch or contain each other.
 #include "limber/points.h"
 #include "peers.h"
 #include "support/rational_distance.h"

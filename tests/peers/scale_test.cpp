@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Answers that were wrong because of the size, number, place or direction of triangles. The table of all cases is
-// docs/peers.md.
+// Answers that were wrong because of the size, number, place or direction of triangles.
 #include "limber/elements.h"
 #include "limber/points.h"
 #include "peers.h"

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Questions from many threads at a time, which other libraries forbid, race in, or do not speak about. The table of all
-// cases is docs/peers.md.
+// Questions from many threads at a time, which other libraries forbid, race in, or do not speak about.
 #include <atomic>
 #include <thread>
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Trees that were stale, half updated or broken after a mesh had moved. The table of all cases is docs/peers.md.
+// Trees that were stale, half updated or broken after a mesh had moved.
 #include <functional>
 #include <optional>
 #include <stdexcept>

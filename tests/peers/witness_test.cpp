@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Closest points that were wrong, in the wrong frame, or not those of the distance. The table of all cases is
-// docs/peers.md.
+// Closest points that were wrong, in the wrong frame, or not those of the distance.
 #include <limits>
 #include <optional>
 
