@@ -20,7 +20,7 @@ bool is_in(unsigned types, std::uint64_t component_type) {
 
 std::size_t bytes_of(std::uint64_t component_type) {
   LIMBER_ASSERT(component_type >= first_type && component_type <= float32);
-  return std::array<std::size_t, 7>{1, 1, 2, 2, 4, 4, 4}[component_type - first_type];
+  return std::array<std::size_t, 7>{1, 1, 2, 2, 4, 4, 4}[static_cast<std::size_t>(component_type - first_type)];
 }
 
 /// The number that a component stands for (glTF 2.0, 3.11, for normalized integers).

@@ -155,7 +155,7 @@ double GltfMeshes::element_count(const MeshInstance& shown) {
   }
   constexpr std::size_t name_bytes_of_element = 16;
   const std::size_t name_bytes = std::max(mesh.name.size(), shown.node.text("name", "").size());
-  const std::size_t counted = mesh.triangle_count + name_bytes / name_bytes_of_element;
+  const std::uint64_t counted = mesh.triangle_count + name_bytes / name_bytes_of_element;
   auto count = static_cast<double>(counted);
   const bool is_skinned = shown.node.has("skin");
   for (const GltfVertices& vertices : mesh.vertices) {
@@ -174,9 +174,10 @@ std::vector<AffineMap> GltfMeshes::joint_maps(const JsonItem& node, const GltfSc
   std::vector<AffineMap> maps;
   for (const Json& entry : skin.list("joints")) {
     const std::uint64_t joint = whole_entry(entry, skin, "joints");
-    const bool is_in_scene = joint < scene.world_from_node.size() && scene.world_from_node[joint];
+    const auto node_of_joint = static_cast<std::size_t>(std::min<std::uint64_t>(joint, scene.world_from_node.size()));
+    const bool is_in_scene = node_of_joint < scene.world_from_node.size() && scene.world_from_node[node_of_joint];
     if (!is_in_scene) skin.refuse("its joint node " + std::to_string(joint) + " is not in the scene");
-    maps.push_back(*scene.world_from_node[joint]);
+    maps.push_back(*scene.world_from_node[node_of_joint]);
   }
   if (!skin.has("inverseBindMatrices")) return maps;
   GltfAccessor binds = accessors_.check(skin.whole("inverseBindMatrices"), skin, gltf_kinds::matrices);

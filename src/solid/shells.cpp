@@ -29,6 +29,9 @@ Signs sides_of_corners(const Triangle& other, const Triangle& t) {
   return {plane.of(other.v0), plane.of(other.v1), plane.of(other.v2)};
 }
 
+/// The order of the meetings of a facet.
+bool comes_before(const Meeting& m, FacetId other) { return m.other < other; }
+
 /// Whether a part of a facet that crosses another one is on either side of it.
 bool is_through(const Meeting& m) { return m.sides == (in_front | behind | across); }
 
@@ -117,7 +120,7 @@ Triangle Shells::triangle(FacetId f) const {
 
 Sides Shells::sides_between(FacetId f, FacetId other) const {
   const std::span<const Meeting> meetings = meetings_.of(f);
-  const auto found = std::ranges::lower_bound(meetings, other, {}, &Meeting::other);
+  const auto found = std::lower_bound(meetings.begin(), meetings.end(), other, comes_before);
   return found == meetings.end() || found->other != other ? Sides{0} : found->sides;
 }
 
@@ -248,7 +251,7 @@ void Shells::add_crossers(Cut& cut, FacetId f, FacetId other) const {
   auto next = many.begin();
   for (const Meeting& m : few) {
     if (cells_.meter.is_spent()) return;
-    next = std::ranges::lower_bound(next, many.end(), m.other, {}, &Meeting::other);
+    next = std::lower_bound(next, many.end(), m.other, comes_before);
     if (next == many.end()) return;
     if (next->other == m.other && !is_degenerate_[m.other]) cut.add(triangle(m.other), side_of(m.other));
   }

@@ -31,4 +31,9 @@ unique_ptr<Array> make_unique_for_overwrite(size_t count) {
 from_chars_result from_chars(const char* first, const char* last, double& value);
 #endif
 
+#if _LIBCPP_VERSION < 14000
+/// Pre: the format is `general`.
+to_chars_result to_chars(char* first, char* last, double value, chars_format format, int precision);
+#endif
+
 }  // namespace std
