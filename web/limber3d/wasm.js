@@ -83,7 +83,9 @@ async function instantiate(source = new URL("./limber.wasm", import.meta.url)) {
     // Node.js does not fetch files. Bundlers are to leave this alone: the name is none that they see.
     const module = ["node:fs", "promises"].join("/");
     const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ module);
-    return (await WebAssembly.instantiate(new Uint8Array(await readFile(source)), imports)).instance;
+    /** @type {BufferSource} */
+    const bytes = await readFile(source);
+    return (await WebAssembly.instantiate(bytes, imports)).instance;
   }
   const response = source instanceof Response ? source : await fetch(source);
   const { ok, status, statusText, url } = response;
