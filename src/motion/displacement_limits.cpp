@@ -47,7 +47,8 @@ void check_separation(double separation, const char* function) {
                  (std::string(function) + ": the separation must be from 0 to 2^200").c_str());
 }
 
-/// Of the vertices that triangles have: no pair of elements limits any other.
+/// The largest of the numbers of the vertices that belong to a triangle. The others are in no pair of elements, which
+/// therefore does not limit them.
 double largest_of(const Mesh& mesh, std::span<const double> numbers) {
   double result = 0;
   if (numbers.empty()) return result;

@@ -45,7 +45,8 @@ void check_configurations(const Scene::Impl& scene, const Configurations& all, c
   }
 }
 
-/// What a filter says of every two objects, of some if the budget has ended: threads may ask that at the same time.
+/// Calls the filter once for every two objects, until the budget ends, and keeps what it answers. Threads may read the
+/// answers at the same time, while a filter is called by one thread alone.
 std::optional<ObjectPairMatrix> answers_of(const std::optional<ObjectPairFilter>& filter, const Scene::Impl& scene,
                                            const QueryBudget& budget) {
   if (!filter) return std::nullopt;

@@ -26,8 +26,8 @@ int is_copy(const Triangle& y, const Triangle& t);
 /// there on they change only where the line pierces a triangle, so no other point of it needs a ray.
 class Cut {
  public:
-  /// Of triangles of the surfaces `of_t` and `of_x`. Pre: both have an area and are not in parallel planes; what they
-  /// have in common is more than a point.
+  /// The cut of t, a triangle of the surface `of_t`, and x, one of the surface `of_x`. Pre: both have an area, their
+  /// planes are not parallel, and what they have in common is more than a point.
   Cut(const Triangle& t, pair::Side of_t, const Triangle& x, pair::Side of_x);
   Cut(const Cut&) = delete;
   Cut& operator=(const Cut&) = delete;
