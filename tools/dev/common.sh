@@ -178,28 +178,28 @@ configure_checked() {
 # on_emscripten COMMAND...: Emscripten's scripts find their modules also where node is not Debian's.
 on_emscripten() { NODE_PATH=/usr/share/nodejs${NODE_PATH:+:$NODE_PATH} CXX='' "$@"; }
 
-# The JavaScript package, in build/web/limber3d.
+# compile_web PRESET: the JavaScript package, in build/PRESET/limber3d.
 compile_web() {
   need build io web
-  on_emscripten configure web
-  on_emscripten build web
+  on_emscripten configure "$1"
+  on_emscripten build "$1"
 }
 
-# install_typescript: what npm installs beside the JavaScript package; the working directory is then build/web.
+# install_typescript PRESET: what npm installs beside the JavaScript package; the working directory is then build/PRESET.
 install_typescript() {
   if ! command -v npm >/dev/null; then need npm; fi
-  cd -- "$root/build/web"
+  cd -- "$root/build/$1"
   if ! cmp -s package.json node_modules/installed.json; then
-    say "installing from npm into build/web: TypeScript"
+    say "installing from npm into build/$1: TypeScript"
     npm install --install-links=false --no-audit --no-fund --no-package-lock --loglevel=error </dev/null
     cp -- package.json node_modules/installed.json
   fi
 }
 
-# The JavaScript package with its types; the working directory is then build/web.
+# build_package PRESET: the JavaScript package with its types; the working directory is then build/PRESET.
 build_package() {
-  compile_web
-  install_typescript
+  compile_web "$1"
+  install_typescript "$1"
   rm -f -- limber3d/*.d.ts
   node_modules/.bin/tsc -p tsconfig.json
 }

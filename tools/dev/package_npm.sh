@@ -11,7 +11,7 @@ folder=$artefacts/npm
 make_archive() {
   local file listed
   rm -rf -- "$folder"
-  build_package
+  build_package web
   mkdir -p -- "$folder"
   listed=$(npm pack --dry-run ./limber3d 2>&1 </dev/null)
   for file in limber.wasm index.js index.d.ts package.json README.md LICENSE NOTICES.txt; do
