@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 # What everything is compiled with for WebAssembly, and where its headers are. docs/design/web.md says why.
-add_compile_options(-msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -fwasm-exceptions "SHELL:-include ${PROJECT_SOURCE_DIR}/web/src/missing_from_libcxx.h")
+add_compile_options(-msimd128 -mbulk-memory -mnontrapping-fptoint -msign-ext -fwasm-exceptions
+  "SHELL:-include ${PROJECT_SOURCE_DIR}/clients/javascript/src/missing_from_libcxx.h")
 
 # Emscripten looks for headers in its own folders only, and the system's must not come in the way of its C library. So
 # the libraries of headers that are needed get a folder of their own. Boost puts paths of its headers into messages; the

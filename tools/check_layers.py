@@ -61,34 +61,33 @@ THIRD_PARTY = {
     "boost": ("src/geometry/exact_sign.cpp", "src/motion/polynomial.h", "src/solid/exact_point.h", "tests/", "fuzz/", "bench/"),
     "CGAL": ("tests/", "bench/"),
     "Eigen": ("include/limber/eigen.h",),
-    "fast_float": ("web/src/missing_from_libcxx.cpp",),
-    "fcntl.h": ("src/io/file_bytes.cpp", "apps/", "tests/"),
+    "fast_float": ("clients/javascript/src/missing_from_libcxx.cpp",),
+    "fcntl.h": ("src/io/file_bytes.cpp", "clients/", "tests/"),
     "gmpxx.h": ("tests/",),
     "hwy": ("src/simd/", "src/kernels/"),
-    "sys": ("src/io/file_bytes.cpp", "apps/", "tests/", "bench/realtime/haptics.cpp"),
+    "sys": ("src/io/file_bytes.cpp", "clients/", "tests/", "bench/realtime/haptics.cpp"),
     "tbb": ("src/base/",),
-    "unistd.h": ("src/io/file_bytes.cpp", "apps/", "tests/", "fuzz/"),
-    "nlohmann": ("src/io/", "apps/", "tests/", "bench/", "web/tests/"),
+    "unistd.h": ("src/io/file_bytes.cpp", "clients/", "tests/", "fuzz/"),
+    "nlohmann": ("src/io/", "clients/", "tests/", "bench/"),
     "nanobind": ("python/",),
-    "oneapi": ("src/base/", "apps/", "python/", "tests/", "bench/"),
+    "oneapi": ("src/base/", "clients/", "python/", "tests/", "bench/"),
     "wasm_simd128.h": ("src/simd/", "src/kernels/"),
     "xlocale.h": ("src/io/decimal.cpp",),
     "xmmintrin.h": ("src/base/", "tests/", "fuzz/"),
 }
 
 # Folders above the library, and which of its private headers they may see.
-EDGES = ("apps", "scenes", "tests", "bench", "examples", "fuzz", "python", "web")
+EDGES = ("clients", "scenes", "tests", "bench", "examples", "fuzz", "python")
 MAY_LOOK_INSIDE = ("tests/unit/", "tests/property/", "tests/peers/", "tests/reference/")
 # Parts of the repository that edge code may name in full.
 EDGE_MAY_INCLUDE = {
-    "apps": ("apps/", "scenes/"),
+    "clients": ("tests/", "scenes/"),
     "scenes": ("scenes/",),
     "tests": ("tests/", "scenes/"),
     "bench": ("bench/", "examples/", "scenes/"),
     "examples": ("examples/", "scenes/"),
     "fuzz": ("fuzz/", "scenes/"),
     "python": ("python/", "scenes/"),
-    "web": ("web/", "scenes/"),
 }
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:<([^>\n]+)>|"([^"\n]+)")')

@@ -30,7 +30,7 @@ ENDING = re.compile(r"(?<![\w.>])(?:std\s*::\s*)?(?:abort|exit|_Exit|quick_exit|
 _KEY = r"[A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?"
 CITATION = re.compile(rf"\[({_KEY}(?:[,;] *{_KEY})*)\]")
 OWN_FILE = re.compile(
-    r"(?<![\w/.<>*-])(?:docs|include|src|scenes|apps|tests|bench|examples|tools)/[\w./-]*\.(?:md|bib|h|cpp|py|csv|svg|png)\b"
+    r"(?<![\w/.<>*-])(?:docs|include|src|scenes|clients|tests|bench|examples|tools)/[\w./-]*\.(?:md|bib|h|cpp|py|csv|svg|png)\b"
 )
 FENCE = re.compile(r"^[ \t]*(```|~~~).*?^[ \t]*\1[^\n]*$", re.MULTILINE | re.DOTALL)
 CODE_SPAN = re.compile(r"`[^`\n]*`")

@@ -34,7 +34,7 @@ from random_faults import changes
 from repository import CPP_SUFFIXES, line_at
 
 ROOT = Path(__file__).resolve().parent.parent
-COPIED = ("CMakeLists.txt", "README.md", "apps", "cmake", "docs/guide", "examples", "fuzz", "include", "scenes", "src",
+COPIED = ("CMakeLists.txt", "README.md", "clients", "cmake", "docs/guide", "examples", "fuzz", "include", "scenes", "src",
           "tests")
 DEFAULT_TESTS = ("unit", "property", "oracle")  # of a mutant that names none
 MUTANT_KEYS = {"name", "file", "find", "replace", "tests"}

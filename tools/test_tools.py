@@ -68,7 +68,7 @@ class Layers(Repository):
             ("tests/unit/a_test.cpp", "classic/tree.h"),
             ("tests/property/a_test.cpp", "classic/tree.h"),
             ("tests/oracle/a_test.cpp", "<CGAL/Point_3.h>"),
-            ("apps/limber/a.cpp", "<fmt/format.h>"),
+            ("clients/program/a.cpp", "<fmt/format.h>"),
             ("tests/unit/a_test.cpp", "support/b.h"),
             ("tests/unit/a_test.cpp", "scenes/scenes.h"),
             ("bench/thesis/a.cpp", "bench/support/report.h"),
@@ -93,8 +93,8 @@ class Layers(Repository):
             ("src/io/a.cpp", "<CGAL/Point_3.h>"),
             ("src/io/a.cpp", "<sys/stat.h>"),
             ("src/geometry/a.cpp", "<nlohmann/json.hpp>"),
-            ("apps/limber/a.cpp", "<CGAL/Point_3.h>"),
-            ("apps/limber/a.cpp", "base/check.h"),
+            ("clients/program/a.cpp", "<CGAL/Point_3.h>"),
+            ("clients/program/a.cpp", "base/check.h"),
             ("tests/oracle/a_test.cpp", "classic/tree.h"),
             ("bench/thesis/a.cpp", "classic/tree.h"),
             ("include/limber/mesh.h", "base/check.h"),
@@ -102,7 +102,7 @@ class Layers(Repository):
             ("include/limber/mesh.h", "<Eigen/Core>"),
             ("src/model/a.cpp", "limber/eigen.h"),
             ("include/limber/mesh.h", "limber/no_such.h"),
-            ("apps/limber/a.cpp", "tests/support/b.h"),
+            ("clients/program/a.cpp", "bench/support/b.h"),
             ("scenes/a.cpp", "bench/support/b.h"),
         ):
             with self.subTest(path=path, target=target):

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Bodies that overlap, touch or contain each other: cases from reports about other libraries, which answered them wrongly.
+// Bodies that overlap, touch or contain each other: cases from reports about other libraries, which answered wrongly.
 #include "limber/points.h"
 #include "peers.h"
 #include "support/rational_distance.h"

@@ -207,7 +207,7 @@ build_package() {
 # Our C++ files below the working directory, each ended by a zero byte. Needs no git.
 cpp_files() {
   local folders=() folder
-  for folder in include src scenes apps tests bench examples fuzz python web; do
+  for folder in include src scenes clients tests bench examples fuzz python; do
     if [[ -d $folder ]]; then folders+=("$folder"); fi
   done
   find "${folders[@]}" -type f \( -name '*.h' -o -name '*.cpp' \) -print0 | sort -z

@@ -8,4 +8,4 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 need build io program
 configure release -DLIMBER_BUILD_TESTS=OFF
 build release --target limber_program
-"$root/build/release/apps/limber/limber" demo --report "$root/build/limber-demo.html" "$@"
+"$root/build/release/clients/program/limber" demo --report "$root/build/limber-demo.html" "$@"

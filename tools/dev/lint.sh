@@ -9,7 +9,7 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 check_format() { cpp_files | xargs -0 clang-format --dry-run -Werror; }
 
 check_scripts() {
-  shellcheck dev .ci/run tools/dev/*.sh apps/limber/completions/limber.bash tests/package/check_installed.sh
+  shellcheck dev .ci/run tools/dev/*.sh clients/program/completions/limber.bash tests/package/check_installed.sh
 }
 
 # Every file has a license. What git ignores is none of ours; without git that cannot be told.
@@ -26,10 +26,10 @@ check_tidy() {
   if [[ -n $deep ]]; then preset=dev checks=''; fi
   while IFS= read -r -d '' file; do
     case $file in
-      src/* | scenes/* | apps/* | examples/* | python/src/*) patterns+=("/${file//./\\.}\$") ;;
+      src/* | scenes/* | clients/program/* | examples/* | python/src/*) patterns+=("/${file//./\\.}\$") ;;
     esac
   done < <(cpp_files)
-  patterns+=('/build/checked/(src|scenes|apps|examples|python)/.*/(limber|limber_.*|example_[0-9].*)\.dir/Unity/')
+  patterns+=('/build/checked/(src|scenes|clients|examples|python)/.*/(limber|limber_.*|example_[0-9].*)\.dir/Unity/')
   configure "$preset" -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python" >/dev/null || return 1
   build "$preset" --target limber_python_docstrings >/dev/null || return 1
   run-clang-tidy -quiet -j "$jobs" -p "build/$preset" "-checks=$checks" "${patterns[@]}" 2>&1 |

@@ -3,27 +3,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 #: pages            build the viewer, the page of `limber distance --report`, `limber track --report` and `limber demo`,
-#:                  from web/pages, with npm
+#:                  from clients/pages, with npm
 #: pages --check    type-check the sources, and compare the committed viewer with what its sources give
 #: pages test       test pages that the program writes, in a headless browser
 #: pages pictures   make the pictures of these pages in the README and in docs/guide
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
-# npm, and what web/pages/package-lock.json names. What is there already is not asked for again.
+# npm, and what clients/pages/package-lock.json names. What is there already is not asked for again.
 pages_environment() {
-  local folder=$root/web/pages
+  local folder=$root/clients/pages
   command -v npm >/dev/null || need pages
   if cmp -s -- "$folder/package-lock.json" "$folder/node_modules/installed"; then return 0; fi
-  say "installing from npm into web/pages/node_modules"
+  say "installing from npm into clients/pages/node_modules"
   (cd -- "$folder" && npm ci --no-audit --no-fund --loglevel=error) </dev/null ||
-    die "npm could not install what web/pages/package-lock.json names"
+    die "npm could not install what clients/pages/package-lock.json names"
   cp -- "$folder/package-lock.json" "$folder/node_modules/installed"
 }
 
-# run_script NAME: a script of web/pages/package.json.
+# run_script NAME: a script of clients/pages/package.json.
 run_script() {
   pages_environment
-  (cd -- "$root/web/pages" && npm run --silent "$1" </dev/null)
+  (cd -- "$root/clients/pages" && npm run --silent "$1" </dev/null)
 }
 
 script=${*:-build}
@@ -39,7 +39,7 @@ case $script in
     fi
     configure "$preset"
     build "$preset" --target limber_program
-    export LIMBER_PROGRAM=$root/build/$preset/apps/limber/limber
+    export LIMBER_PROGRAM=$root/build/$preset/clients/program/limber
     run_script "$script"
     ;;
   *) die "pages has no '$script'; see ./dev help" ;;

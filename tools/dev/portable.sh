@@ -125,7 +125,7 @@ compile() {
     -DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST \
     "-DCMAKE_CXX_COMPILER_LAUNCHER=$(command -v ccache || true)" </dev/null
   build "portable/$target" --target "${@:5}"
-  for program in apps/limber/limber tests/limber_{unit,io}_tests; do  # without .exe, which Windows adds
+  for program in clients/program/limber tests/limber_{unit,io}_tests; do  # without .exe, which Windows adds
     if [[ -e $folder/$target/$program.exe ]]; then ln -sf -- "${program##*/}.exe" "$folder/$target/$program"; fi
   done
 }
@@ -155,10 +155,10 @@ run() {
   emulator=("$2")
   export WINEDEBUG=-all WINEPREFIX=$folder/wine LC_ALL=C.UTF-8 LIMBER_UPDATE_SEQUENCES=100
   if [[ $2 == qemu-* ]]; then filter=-$(xargs <<<"$slow" | tr ' ' :); fi
-  "$2" "$folder/$target/apps/limber/limber" version </dev/null
+  "$2" "$folder/$target/clients/program/limber" version </dev/null
   run_programs "portable/$target" "unit:$filter" io || die "$target: tests failed"
   count=$(awk '/^\[  PASSED  \]/ {n += $4} END {print n}' "$folder/$target"/{unit,io}_*.log)
-  answers_of "$2" "$folder/$target/apps/limber/limber" >"$folder/$target/answers"
+  answers_of "$2" "$folder/$target/clients/program/limber" >"$folder/$target/answers"
   cmp -- "$folder/answers" "$folder/$target/answers" || die "$target: the program's answers are others than here"
   say "$target: $count tests passed; the program's $(wc -c <"$folder/answers") bytes of answers are those it gives here"
 }
@@ -173,7 +173,7 @@ need build io program portable
 get_sources
 configure release -DLIMBER_BUILD_TESTS=OFF
 build release --target limber_program
-answers_of "$root/build/release/apps/limber/limber" >"$folder/answers"
+answers_of "$root/build/release/clients/program/limber" >"$folder/answers"
 for target in "${wanted[@]}"; do
   read -r _ packages system processor compiler runner < <(awk -v target="$target" '$1 == target' <<<"$targets")
   need "$packages"

@@ -9,4 +9,4 @@ configure_checked
 build checked --target limber_python limber_python_stub limber_program
 run_tests checked -R '^python\.' -E '^python\.pytest$'
 (cd -- "$root" && PYTHONPATH=build/checked/python PYTHONDONTWRITEBYTECODE=1 \
-  LIMBER_PROGRAM=$root/build/checked/apps/limber/limber build/python/bin/python -m pytest "$@") </dev/null
+  LIMBER_PROGRAM=$root/build/checked/clients/program/limber build/python/bin/python -m pytest "$@") </dev/null

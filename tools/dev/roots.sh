@@ -12,7 +12,7 @@ version=$(sed -n 's/^project(limber VERSION \([0-9.]*\).*/\1/p' "$root/CMakeList
 # check_versions: what names the version names that of CMakeLists.txt, which sees to limber/version.h itself.
 check_versions() {
   local file
-  for file in CITATION.cff web/limber3d/package.json \
+  for file in CITATION.cff clients/javascript/limber3d/package.json \
     packaging/{conda/recipe.yaml,vcpkg/vcpkg.json,conan/conanfile.py,homebrew/limber.rb,nix/default.nix,debian/changelog}; do
     grep -qF "$version" "$root/$file" || die "$file is not of version $version"
   done

@@ -17,5 +17,5 @@ configure asan -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/
 build asan --target limber_python limber_program
 (cd -- "$root" && LD_PRELOAD=${preload# } ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc PYTHONDONTWRITEBYTECODE=1 \
   UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1} PYTHONPATH=build/asan/python \
-  LIMBER_PROGRAM=$root/build/asan/apps/limber/limber \
+  LIMBER_PROGRAM=$root/build/asan/clients/program/limber \
   build/python/bin/python -m pytest --capture=sys --ignore-glob='*/test_'{batch,command_line,examples,migration,notebook}'*') </dev/null

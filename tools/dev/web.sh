@@ -25,7 +25,7 @@ build_package web
 if [[ ${1:-} == build ]]; then exit; fi
 configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_WEB=ON
 build release --target limber_web_answers
-"$root/build/release/web/limber_web_answers" answers.json
+"$root/build/release/clients/javascript/limber_web_answers" answers.json
 node_modules/.bin/tsc -p tests/tsconfig.json
 run_examples
 LIMBER_ANSWERS=answers.json node --test "$@" tests/*.test.js </dev/null

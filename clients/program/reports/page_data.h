@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "command/output.h"
+#include "limber/mesh.h"
+
+/// Meshes and numbers as a page carries them: few bytes, in base64. clients/pages/shared/decode.ts reads them back.
+namespace limber::program {
+
+using Bytes = std::vector<std::uint8_t>;
+
+std::string base64_of(std::span<const std::uint8_t> bytes);
+
+/// Appends a count in groups of 7 bits, the lowest first; every group but the last has its highest bit set.
+void append_count(Bytes& bytes, std::uint64_t count);
+
+/// Numbers as low + step * k, where k is a whole number of 24 bits.
+///
+/// Promise  Each is off by at most half a step, up to rounding; the step is the range of the numbers / (2^24 - 1).
+/// Pre      All are finite, as is their range.
+Json quantized(std::span<const double> numbers);
+
+/// Points, quantized coordinate by coordinate: each of the three has its own low and step.
+Json quantized(std::span<const Vec3> points);
+
+/// Ids that increase, as the differences between them.
+Json increasing_ids(std::span<const std::uint32_t> ids);
+
+/// The triangles of a mesh, over vertices that are numbered anew: in the order in which triangles first name them.
+/// Vertices without a triangle are left out.
+struct PageTriangles {
+  std::vector<VertexId> vertices;  ///< by number in the page
+  Bytes corners;                   ///< of each corner: the number of vertices named before it minus the vertex
+
+  explicit PageTriangles(MeshView mesh);
+
+  /// What belongs to the vertices, in the page's order.
+  template <typename T>
+  std::vector<T> in_order(std::span<const T> of_vertices) const {
+    std::vector<T> ordered;
+    ordered.reserve(vertices.size());
+    for (const VertexId v : vertices) ordered.push_back(of_vertices[v]);
+    return ordered;
+  }
+};
+
+}  // namespace limber::program

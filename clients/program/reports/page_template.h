@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "command/output.h"
+#include "command/run_files.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+/// The page with a view in 3D, which is built from clients/pages into clients/program/pages and is part of the program.
+namespace limber::program {
+
+extern const std::string_view viewer_template;
+
+/// The page with its data in place, to which the program's version, the time and the command line are added. It shows a
+/// sequence if the data has "rows", as that of Replay, a study if it has "study", as that of Study, and otherwise what
+/// distance_report() gives.
+///
+/// Pre      All numbers are finite.
+std::string filled_page(Json data, const std::string& command_line);
+
+/// `--report`: where to, and what the page says about itself and its making.
+struct ReportArguments {
+  std::string path;  ///< empty: no report is asked for
+  std::string title, unit;
+  std::string command_line;
+};
+
+/// `--report`, `--title`, `--unit`. Returns the first.
+CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description);
+
+/// The file of a report. It is opened before the models are asked, so that a path that cannot be written is told at
+/// once.
+class ReportFile {
+ public:
+  /// Errors   BadInput as OutputFile, and where the path is "-".
+  explicit ReportFile(const ReportArguments& arguments);
+
+  /// Fills the page and writes it. It names all inputs() of the run, with size and SHA-256: of those that were there
+  /// when this was made, as they were then.
+  ///
+  /// Errors   OutputFailed.
+  void write(Json data);
+
+ private:
+  void describe_inputs();
+
+  ReportArguments arguments_;
+  OutputFile file_;
+  std::map<std::filesystem::path, std::optional<Json>> inputs_;
+};
+
+/// A name of a model as a page shows it: without its folders.
+std::string shown_name(const std::string& argument);
+
+}  // namespace limber::program

@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <regex>
+
+#include "limber/distance.h"
+#include "limber/model.h"
+#include "page_decoding.h"
+#include "run_program.h"
+#include "scenes/scenes.h"
+
+namespace limber::program_tests {
+namespace {
+
+/// A run whose page has been read.
+Report played(const std::string& options) { return Report("demo " + options); }
+
+/// The sheet in every frame, by the documented draws of the dents.
+std::vector<std::vector<Vec3>> dented_sheets(std::uint64_t seed, std::size_t frames, int dents) {
+  std::vector<std::vector<Vec3>> sheets;
+  Mesh sheet = scenes::thesis_sheet();
+  scenes::Rng rng(seed);
+  for (std::size_t f = 0; f < frames; ++f) {
+    for (int d = 0; d < dents; ++d) {
+      const scenes::VertexMoves moves = scenes::dent_moves(scenes::random_dent(rng), sheet.positions());
+      for (std::size_t i = 0; i < moves.ids.size(); ++i) {
+        sheet.set_position(moves.ids[i], moves.positions[i]).value();
+      }
+    }
+    sheets.push_back(sheet.positions());
+  }
+  return sheets;
+}
+
+TEST(ProgramDemo, WritesAPageAndASummary) {
+  const Report demo = played("--frames 30");
+  const std::string text = demo.outcome.out, path = demo.folder.path("page.html");
+  EXPECT_EQ(demo.outcome.err, "");  // no progress bar outside a terminal
+  EXPECT_NE(text.find("checked against brute force: equal"), std::string::npos) << text;
+  EXPECT_NE(text.find(path), std::string::npos);
+  EXPECT_EQ(demo.page.find("<!DOCTYPE html>"), 0U);
+  // The page says what the terminal says.
+  const nlohmann::json& rows = demo.data["demo"]["summary"];
+  EXPECT_GE(rows.size(), 9U);
+  for (const nlohmann::json& row : rows) {
+    std::string line = row[0];
+    line.resize(22, ' ');
+    EXPECT_NE(text.find('\n' + line + row[1].get<std::string>() + '\n'), std::string::npos) << row;
+  }
+  EXPECT_EQ(demo.data["command"], "limber demo --frames 30 --report " + path);
+}
+
+TEST(ProgramDemo, ThePagePlaysTheDentsAndTheBall) {
+  const Report demo = played("--frames 40 --dents-per-frame 3 --seed 5 --no-check");
+  const nlohmann::json& sheet = demo.data["models"][0];
+  EXPECT_EQ(sheet["triangles"], 20000);
+  EXPECT_EQ(demo.data["stride"], 1);
+  const std::vector<VertexId> order = page_order(scenes::thesis_sheet());
+  const auto found = frames_of(sheet["frames"], order.size());
+  const auto expected = dented_sheets(5, 40, 3);
+  ASSERT_EQ(found.size(), expected.size());
+  const double half_step = 0.50001 * sheet["frames"]["step"].get<double>();
+  EXPECT_LT(half_step, 0.003);  // of 100 units a side
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    for (std::size_t v = 0; v < order.size(); ++v) {
+      ASSERT_LE(max_abs(found[f][v] - expected[f][order[v]]), half_step) << f << ' ' << v;
+    }
+  }
+  const std::vector<Transform> poses = poses_of(demo.data["models"][1]["poses"]);
+  ASSERT_EQ(poses.size(), 40U);
+  for (const char* name : {"lower", "upper", "status", "update_us", "query_us", "witness"}) {
+    EXPECT_EQ(demo.data["rows"][name].size(), 40U) << name;
+  }
+  for (const char* name : {"lower", "upper", "query_us"})
+    EXPECT_EQ(demo.data["demo"]["rough"][name].size(), 40U) << name;
+  const Model ball(scenes::thesis_ball());
+  for (std::size_t f = 0; f < 40; ++f) {
+    Mesh dented = scenes::thesis_sheet();
+    for (VertexId v = 0; v < expected[f].size(); ++v) dented.set_position(v, expected[f][v]).value();
+    const Model sheet_now(std::move(dented));
+    const double exact = distance({sheet_now, {}}, {ball, poses[f]}).upper;
+    EXPECT_NEAR(demo.data["rows"]["upper"][f].get<double>(), exact, 1e-12) << f;
+    EXPECT_EQ(demo.data["rows"]["lower"][f], demo.data["rows"]["upper"][f]) << f;
+    const nlohmann::json& rough = demo.data["demo"]["rough"];
+    EXPECT_LE(rough["lower"][f].get<double>(), exact + 1e-12) << f;
+    EXPECT_GE(rough["upper"][f].get<double>(), exact - 1e-12) << f;
+    EXPECT_LE(rough["upper"][f].get<double>(), 1.1 * exact + 1e-12) << f;
+  }
+}
+
+TEST(ProgramDemo, ThePageOfTheUsualRunIsSmall) {
+  const Report demo = played("--no-check");
+  EXPECT_EQ(demo.data["stride"], 1);
+  EXPECT_LT(demo.page.size(), 4'000'000U);
+}
+
+TEST(ProgramDemo, MoreFramesThanFitAreThinnedOut) {
+  const Report demo = played("--frames 300 --dents-per-frame 60 --no-check");
+  EXPECT_EQ(demo.outcome.err, "");
+  const std::size_t stride = demo.data["stride"];
+  EXPECT_GE(stride, 2U);
+  EXPECT_LT(demo.page.size(), 8'000'000U);
+  EXPECT_EQ(demo.data["rows"]["upper"].size(), 300U);
+  for (std::size_t r = 0; r < 300; ++r) {
+    EXPECT_EQ(demo.data["rows"]["witness"][r].is_null(), r % stride != 0) << r;  // only what is shown has points
+  }
+}
+
+TEST(ProgramDemo, IsTheSameForEveryModeAndEveryMargin) {
+  const Folder folder;
+  const std::string line = "demo --frames 20 --no-check --report " + folder.path("x.html");
+  const nlohmann::json fast = json_of(line), loose_bounds = json_of(line + " --motion-margin 0.01");
+  const std::string classic = line + " --engine classic";
+  const nlohmann::json by_depth = json_of(classic), immediate = json_of(classic + " --mode immediate");
+  const nlohmann::json loose = json_of(classic + " --extra-radius 0.2");
+  EXPECT_NEAR(fast["min_distance"].get<double>(), by_depth["min_distance"].get<double>(), 1e-12);
+  EXPECT_NEAR(loose_bounds["min_distance"].get<double>(), by_depth["min_distance"].get<double>(), 1e-12);
+  EXPECT_EQ(by_depth["brute_force"], "skipped");
+  EXPECT_GT(by_depth["min_distance"], 0);
+  EXPECT_EQ(by_depth["min_distance"], immediate["min_distance"]);
+  EXPECT_EQ(by_depth["min_distance"], loose["min_distance"]);
+  EXPECT_EQ(by_depth["moved_vertices"], immediate["moved_vertices"]);
+  EXPECT_GT(immediate["refits"], by_depth["refits"]);
+  EXPECT_GT(loose["absorbed"], 0);
+  EXPECT_NE(by_depth["moved_vertices"], json_of(line + " --seed 8")["moved_vertices"]);
+}
+
+TEST(ProgramDemo, SmallestRunsMakeSoundPages) {
+  for (const std::string frames : {"1", "2"}) {
+    for (const std::string dents : {"0", "1"}) {
+      const Report demo = played("--no-check --relative-error 0.5 --frames " + frames + " --dents-per-frame " + dents);
+      EXPECT_EQ(demo.data["frame_count"], std::stoi(frames));
+      EXPECT_EQ(demo.data["relative_error"], 0.5);
+      EXPECT_EQ(frames_of(demo.data["models"][0]["frames"], 10201).size(), std::stoul(frames));
+    }
+  }
+}
+
+TEST(ProgramDemo, PrintsWhereThePageIs) {
+  const Folder folder;
+  const std::string page = folder.path("demo.html"), other = folder.path("other.html");
+  const std::string relative = std::filesystem::relative(page).string();
+  ASSERT_NE(relative, page);
+  const Words lines = lines_of(answer_to("demo --frames 1 --no-check --report " + other + " --report " + relative));
+  ASSERT_EQ(lines.back().find("page "), 0U) << lines.back();
+  const std::filesystem::path printed = lines.back().substr(lines.back().find('/'));
+  EXPECT_TRUE(printed.is_absolute());
+  EXPECT_TRUE(std::filesystem::equivalent(printed, page)) << printed;
+  EXPECT_FALSE(std::filesystem::exists(other));  // of two, the last counts
+}
+
+TEST(ProgramDemo, TimesHaveOneUnit) {
+  // Without dents updates take less than a microsecond; with many, in the classic engine, milliseconds.
+  for (const std::string options : {"--engine fast --dents-per-frame 0", "--engine classic --dents-per-frame 50"}) {
+    const Report demo = played("--frames 20 --no-check " + options);
+    const std::regex other_unit(R"(\b[0-9.]+ ?[mn]s\b|milli|nano)");
+    EXPECT_FALSE(std::regex_search(demo.outcome.out, other_unit)) << demo.outcome.out;
+    EXPECT_FALSE(std::regex_search(demo.data["demo"].dump(), other_unit)) << options;
+  }
+}
+
+TEST(ProgramDemo, OnlyManyFramesHavePercentiles) {
+  for (const std::string frames : {"3", "99", "100"}) {
+    const bool has_percentiles = frames == "100";
+    const Report demo = played("--no-check --frames " + frames);
+    EXPECT_EQ(count_of("p99", demo.outcome.out), has_percentiles ? 3U : 0U) << demo.outcome.out;
+    EXPECT_EQ(count_of("p99", demo.data["demo"]["summary"].dump()), has_percentiles ? 3U : 0U) << frames;
+    EXPECT_EQ(count_of(", max ", demo.outcome.out), 3U) << demo.outcome.out;
+    const std::string check = has_percentiles ? "" : " --no-check";  // which takes a while
+    const nlohmann::json json = json_of("demo --frames " + frames + " --report " + demo.folder.path("x.html") + check);
+    EXPECT_EQ(json["query"], "demo");
+    EXPECT_EQ(json["frames"], std::stoi(frames));
+    EXPECT_EQ(json["brute_force"], has_percentiles ? "equal" : "skipped");
+    EXPECT_EQ(json["engine"], "fast");
+    for (const char* count : {"moved_vertices", "refits"}) EXPECT_GT(json[count], 0) << count;
+    for (const char* key : {"update_us", "query_us", "rough_query_us"}) {
+      EXPECT_EQ(json[key].contains("p99"), has_percentiles) << frames;
+      EXPECT_LE(json[key]["median"], json[key]["max"]) << key;
+      if (!has_percentiles) continue;
+      EXPECT_LE(json[key]["median"], json[key]["p99"]) << key;
+      EXPECT_LE(json[key]["p99"], json[key]["max"]) << key;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber::program_tests

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Paths of rigid models, of `limber collide`, `within` and `distance`: times known on paper, and brute force at many
+// times.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "contact_meshes.h"
+#include "run_program.h"
+#include "reference/reference.h"
+#include "scenes/scenes.h"
+
+namespace limber::program_tests {
+namespace {
+
+const std::string ball_and_square = " scene:ball scene:square --path-a ";
+
+TEST(ProgramPaths, TellWhenModelsMeetFirst) {
+  const Folder folder;
+  // The ball, of radius 1, is at heights 5, 3, -1 and 9.
+  const std::string path = ball_and_square + folder.store("path.csv",
+                                                          "tx,ty,tz,qw,qx,qy,qz\n0,0,5,1,0,0,0\n0,0,3,1,0,0,0\n"
+                                                          "0,0,-1,1,0,0,0\n0,0,9,1,0,0,0\n");
+  const nlohmann::json meet = json_of("collide" + path);
+  EXPECT_EQ(meet["is_yes"], true);
+  EXPECT_LE(meet["path_time"].get<double>(), 1.5);
+  EXPECT_NEAR(meet["path_time"].get<double>(), 1.5, 1e-6);
+  EXPECT_NEAR(length(point_of(meet["witness"]["point_b"])), 0, 1e-5);
+  EXPECT_EQ(answer_to("collide" + path).find("collision yes\npoint a   0 0 "), 0U);
+  EXPECT_NE(answer_to("collide" + path).find("\npath time 1.49999"), std::string::npos);
+  const nlohmann::json near = json_of("within --max-distance 2.5" + path);
+  EXPECT_NEAR(near["path_time"].get<double>(), 0.75, 1e-6);
+  EXPECT_EQ(json_of("within --max-distance 4" + path)["path_time"], 0);
+  EXPECT_EQ(run("collide --exit-code" + path).exit_code, 3);
+  EXPECT_EQ(json_of("distance" + path)["status"], "collision");
+}
+
+TEST(ProgramPaths, TellHowNearModelsCome) {
+  const Folder folder;
+  const std::string path =
+      ball_and_square + folder.store("path.csv", "0,0,5,1,0,0,0\n0,0,2.5,1,0,0,0\n0,0,4,1,0,0,0\n");
+  const nlohmann::json distance = json_of("distance --distance-error 1e-6" + path);
+  EXPECT_EQ(distance["path_time"], 1);
+  EXPECT_EQ(distance["upper"], 1.5);
+  EXPECT_LE(distance["lower"].get<double>(), 1.5);
+  EXPECT_NEAR(distance["lower"].get<double>(), 1.5, 1e-6);
+  EXPECT_NE(answer_to("distance" + path).find("\npath time 1\n"), std::string::npos);
+  const nlohmann::json exact = json_of("distance --distance-error 0" + path);
+  EXPECT_EQ(exact["upper"], 1.5);
+  EXPECT_NEAR(exact["lower"].get<double>(), 1.5, 1e-11);
+  const nlohmann::json rough = json_of("distance --distance-error 0.5" + path);
+  EXPECT_LE(rough["lower"].get<double>(), 1.5);
+  EXPECT_GE(rough["upper"].get<double>(), 1.5);
+  EXPECT_LT(rough["node_tests"], distance["node_tests"]);
+  const nlohmann::json apart = json_of("collide" + path);
+  EXPECT_EQ(apart["is_yes"], false);
+  EXPECT_TRUE(apart["path_time"].is_null());
+  EXPECT_EQ(answer_to("collide" + path).find("path time"), std::string::npos);
+  EXPECT_EQ(run("within --max-distance 1.4 --exit-code" + path).exit_code, 0);
+  EXPECT_EQ(run("within --max-distance 1.6 --exit-code" + path).exit_code, 3);
+}
+
+TEST(ProgramPaths, ModelsTurnBetweenPoses) {
+  const Folder folder;
+  // An upright blade from 1 to 2 along x turns about z by a quarter, through an upright pin at 60 degrees.
+  const std::string blade = folder.store("blade.obj", "v 1 0 -1\nv 2 0 -1\nv 1 0 1\nv 2 0 1\nf 1 2 3\nf 2 4 3\n");
+  const std::string pin = folder.store("pin.obj", "v 1.5 0 -2\nv 1.5 0 2\nf 1 2 2\n");
+  const std::string quarter = folder.store("path.csv", "0,0,0,1,0,0,0\n0,0,0,1,0,0,1\n");
+  const std::string models = "collide " + blade + ' ' + pin, turned = " --pose-b 0,0,0,0.8660254037844387,0,0,0.5";
+  for (const std::string end : {"0,0,0,1,0,0,0", "0,0,0,1,0,0,1"}) {
+    EXPECT_EQ(json_of(models + turned + " --pose-a " + end)["is_yes"], false);
+  }
+  EXPECT_NEAR(json_of(models + turned + " --path-a " + quarter)["path_time"].get<double>(), 2.0 / 3, 1e-5);
+  // The pin turns back instead, which the blade sees as the same motion. Then both models turn: towards each other,
+  // and along with each other.
+  const std::string back = folder.store("back.csv", "0,0,0,0.8660254037844387,0,0,0.5\n0,0,0,1,0,0,0\n");
+  EXPECT_EQ(json_of(models + " --path-b " + back)["path_time"].get<double>() > 0.999, true);
+  EXPECT_NEAR(json_of(models + " --path-a " + quarter + " --path-b " + back)["path_time"].get<double>(), 0.4, 1e-5);
+  EXPECT_EQ(json_of(models + " --path-a " + quarter + " --path-b " +
+                    folder.store("along.csv", "0,0,0,1,0,0,0.5\n0,0,0,0.5,0,0,1\n"))["is_yes"],
+            false);
+}
+
+TEST(ProgramPaths, NestingIsThatOfTheStart) {
+  const Folder folder;
+  const std::string room = folder.store("room.obj", cube({}, 4)), path = folder.store("path.csv",
+                                                                                      "0,0,0,1,0,0,0\n"
+                                                                                      "1,0,0,1,0,0,0\n");
+  for (const std::string verb : {"collide", "within --max-distance 1", "distance"}) {
+    const Outcome outcome = run(verb + " scene:ball " + room + " --json --path-a " + path);
+    EXPECT_EQ(json_lines_of(outcome).at(0)["inside"], "a_inside_b") << verb;
+    EXPECT_NE(outcome.err.find("A lies inside B"), std::string::npos) << verb;
+  }
+}
+
+/// Poses at whole times, as numbers and quaternions of length 1.
+struct Knots {
+  std::vector<Vec3> at;
+  std::vector<std::array<double, 4>> turns;
+
+  explicit Knots(scenes::Rng& rng) {
+    for (int k = 0; k < 4; ++k) {
+      at.push_back({8 * rng.uniform() - 4, 8 * rng.uniform() - 4, 8 * rng.uniform() - 4});
+      std::array<double, 4>& turn = turns.emplace_back();
+      double squares = 0;
+      for (double& n : turn) n = rng.uniform() - 0.5, squares += n * n;
+      for (double& n : turn) n /= std::sqrt(squares);
+    }
+  }
+
+  std::string csv() const {
+    std::string text;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      for (const double n : {at[k].x, at[k].y, at[k].z, turns[k][0], turns[k][1], turns[k][2], turns[k][3]}) {
+        text += nlohmann::json(n).dump() + ',';
+      }
+      text.back() = '\n';
+    }
+    return text;
+  }
+
+  /// Linear in the translation, spherical linear in the quaternion.
+  Transform pose(double time) const {
+    const std::size_t k = std::min(static_cast<std::size_t>(time), at.size() - 2);
+    const double t = time - static_cast<double>(k);
+    double cosine = 0;
+    for (std::size_t i = 0; i < 4; ++i) cosine += turns[k][i] * turns[k + 1][i];
+    const double sign = cosine < 0 ? -1 : 1, angle = std::acos(std::min(1.0, sign * cosine));
+    std::array<double, 4> q{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      q[i] = std::sin((1 - t) * angle) * turns[k][i] + sign * std::sin(t * angle) * turns[k + 1][i];
+    }
+    return transform_from_quaternion((1 - t) * at[k] + t * at[k + 1], q[0], q[1], q[2], q[3]).value();
+  }
+};
+
+TEST(ProgramPaths, AnswersAreThoseOfManyTimes) {
+  int contacts = 0, clear = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(seed);
+    const Folder folder;
+    scenes::Rng rng(seed);
+    const Mesh mesh_a = scenes::random_soup(rng, 12, 0.5), mesh_b = scenes::random_soup(rng, 12, 0.5);
+    const Knots a(rng), b(rng);
+    const std::string words = folder.store("a.obj", mesh_a) + ' ' + folder.store("b.obj", mesh_b) + " --path-a " +
+                              folder.store("a.csv", a.csv()) + " --path-b " + folder.store("b.csv", b.csv());
+    const auto distance_at = [&](double time) {
+      return reference::distance({mesh_a, a.pose(time)}, {mesh_b, b.pose(time)}).upper;
+    };
+    constexpr double separation = 0.3, radii = 2 * 1.25 * std::numbers::sqrt3;
+    constexpr double error = 0x1p-20 * radii + 1e-12, error_of_least = 0x1p-10 * radii + 1e-12;
+    double least = std::numeric_limits<double>::infinity(), first = least;
+    for (int i = 0; i <= 600; ++i) {
+      const double time = 3 * i / 600.0, distance = distance_at(time);
+      least = std::min(least, distance);
+      if (distance <= separation) first = std::min(first, time);
+    }
+    const nlohmann::json nearest = json_of("distance " + words), near = json_of("within --max-distance 0.3 " + words);
+    EXPECT_LE(nearest["lower"].get<double>(), least + 1e-12);
+    EXPECT_LE(nearest["upper"].get<double>() - nearest["lower"].get<double>(), error_of_least);
+    EXPECT_NEAR(distance_at(nearest["path_time"]), nearest["upper"].get<double>(), error_of_least);
+    if (near["is_yes"] == false) {
+      ++clear;
+      EXPECT_GT(nearest["upper"], separation);
+      EXPECT_GT(first, 3);
+      continue;
+    }
+    ++contacts;
+    EXPECT_LE(near["path_time"].get<double>(), first);
+    EXPECT_LE(distance_at(near["path_time"]), separation + error);
+  }
+  EXPECT_GE(contacts, 3);
+  EXPECT_GE(clear, 3);
+}
+
+}  // namespace
+}  // namespace limber::program_tests

@@ -1,0 +1,347 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+
+#include "contact_meshes.h"
+#include "page_decoding.h"
+#include "run_program.h"
+#include "scenes/scenes.h"
+
+namespace limber::program_tests {
+namespace {
+
+/// A waving sheet of 128 triangles in frames 0 to `count` - 1; its edge along x = 0 stands still where `is_partial`.
+Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial = false) {
+  Words files;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    const Mesh still = scenes::wave_sheet(8, 8, 0);
+    Mesh sheet = scenes::wave_sheet(8, 8, f);
+    for (VertexId v = 0; is_partial && v < sheet.positions().size(); ++v) {
+      if (sheet.positions()[v].x < 2) sheet.set_position(v, still.positions()[v]).value();
+    }
+    files.push_back(folder.store("wave" + std::to_string(f) + ".obj", sheet));
+  }
+  return files;
+}
+
+/// The line that tracks a deforming mesh below a ball.
+std::string below_ball(const Folder& folder, const Words& frames) {
+  return "track --a " + joined(frames) + " --b scene:ball --poses-b " + folder.store("pose.csv", "2,2,1.5,1,0,0,0\n");
+}
+
+TEST(ProgramTrack, PrintsOneRowPerFrameWithTheDocumentedColumns) {
+  const Folder folder;
+  const std::string line = below_ball(folder, stored_waves(folder, 3));
+  const std::string csv = answer_to(line);  // no progress bar outside a terminal
+  EXPECT_EQ(lines_of(csv).front(),
+            "frame,update_us,query_us,status,lower,upper,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
+            "triangle_a,triangle_b,face_a,face_b,moved_vertices,refits,absorbed,node_tests,primitive_tests");
+  const std::vector<Row> rows = table_of(csv), classic_rows = table_of(answer_to(line + " --engine classic"));
+  ASSERT_EQ(rows.size(), 3U);
+  for (std::size_t f = 0; f < rows.size(); ++f) {
+    EXPECT_EQ(rows[f].at("frame"), std::to_string(f));
+    EXPECT_EQ(rows[f].at("status"), "exact");
+  }
+  EXPECT_EQ(rows[0].at("moved_vertices"), "0");
+  EXPECT_EQ(rows[1].at("moved_vertices"), "81");
+  EXPECT_EQ(rows[1].at("refits"), "4");  // 8-nodes: two above leaves, and their ancestors
+  EXPECT_EQ(classic_rows[1].at("refits"), "255");
+  EXPECT_NEAR(number(rows[1].at("upper")), number(classic_rows[1].at("upper")), 1e-14);
+}
+
+TEST(ProgramTrack, WritesItsAnswerWhereItIsTold) {
+  const Folder folder;
+  const std::string line = "track --a scene:wave:0 scene:wave:1 --b scene:ball", out = folder.path("out.csv");
+  EXPECT_EQ(answer_to(line + " --out " + out), "");
+  EXPECT_EQ(table_of(text_of(out)).size(), 2U);
+  EXPECT_EQ(answer_to(line + " --json --out " + out), "");
+  EXPECT_EQ(lines_of(text_of(out)).size(), 2U);
+  EXPECT_EQ(lines_of(answer_to(line + " --out -")).size(), 3U);
+  expect_refused(line + " --out " + out + " --report " + out, "is where another output goes");
+}
+
+TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
+  const Folder folder;
+  const Words waves = stored_waves(folder, 4);
+  const auto rows = json_rows_of(below_ball(folder, waves));
+  ASSERT_EQ(rows.size(), 4U);
+  for (std::size_t f = 0; f < rows.size(); ++f) {
+    const nlohmann::json still = json_of("distance " + waves[f] + " scene:ball --pose-b 2,2,1.5,1,0,0,0");
+    EXPECT_DOUBLE_EQ(rows[f]["upper"].get<double>(), still["upper"].get<double>()) << f;
+    EXPECT_EQ(rows[f]["lower"], rows[f]["upper"]);
+    // Of triangles that share the closest point, another may come first.
+    for (const char* const point : {"point_a", "point_b"}) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(rows[f]["witness"][point][k].get<double>(), still["witness"][point][k].get<double>(), 1e-14);
+      }
+    }
+    EXPECT_TRUE(rows[f]["witness"]["face_b"].is_number());
+  }
+}
+
+TEST(ProgramTrack, UpkeepDoesDifferentWorkForTheSameDistances) {
+  const Folder folder;
+  const std::string line = below_ball(folder, stored_waves(folder, 4, true));
+  const auto tight = json_rows_of(line), exact = json_rows_of(line + " --engine classic --mode by-depth");
+  std::map<std::string, std::vector<nlohmann::json>> rows;
+  for (const std::string mode : {"immediate", "batched"}) {
+    rows[mode] = json_rows_of(line + " --engine classic --mode " + mode);
+    for (std::size_t f = 0; f < 4; ++f) {
+      EXPECT_EQ(rows[mode][f]["upper"], exact[f]["upper"]);
+      EXPECT_EQ(rows[mode][f]["moved_vertices"], exact[f]["moved_vertices"]);
+    }
+  }
+  for (std::size_t f = 1; f < 4; ++f) {
+    EXPECT_GT(rows["immediate"][f]["refits"], rows["batched"][f]["refits"]);
+    EXPECT_GT(rows["batched"][f]["refits"], exact[f]["refits"]);
+    EXPECT_LT(exact[f]["moved_vertices"], 81);
+  }
+  for (const std::string loose :
+       {"--motion-margin 0.5", "--motion-margin 0.1", "--engine classic --extra-radius 0.3 --stale-ratio 3"}) {
+    const auto found = json_rows_of(line + ' ' + loose);
+    std::uint64_t absorbed = 0;
+    for (std::size_t f = 0; f < 4; ++f) {
+      EXPECT_NEAR(found[f]["upper"].get<double>(), tight[f]["upper"].get<double>(), 1e-14);
+      absorbed += found[f]["absorbed"].get<std::uint64_t>();
+    }
+    EXPECT_GT(absorbed, 0U) << loose;
+  }
+}
+
+TEST(ProgramTrack, PosesMoveRigidModels) {
+  const Folder folder;
+  const std::string poses = folder.store("poses.csv",
+                                         "tx,ty,tz,qw,qx,qy,qz\r\n# closer and closer\r\n0,0,4,1,0,0,0\r\n\r\n"
+                                         "0,0,3,1,0,0,0\r\n 0, 0, 1.5, 1, 0, 0, 0\r\n0,0,0.5,1,0,0,0");
+  const auto rows = table_of(answer_to("track --a scene:ball --b scene:square --poses-a " + poses));
+  ASSERT_EQ(rows.size(), 4U);
+  const double distances[] = {3, 2, 0.5, 0};
+  for (std::size_t f = 0; f < 4; ++f) {
+    EXPECT_EQ(number(rows[f].at("upper")), distances[f]);
+    EXPECT_EQ(rows[f].at("moved_vertices"), "0");
+  }
+  EXPECT_EQ(rows[1].at("point_a_z"), "2");
+  EXPECT_EQ(rows[3].at("status"), "collision");
+}
+
+TEST(ProgramTrack, TellsWhetherAClearanceIsKept) {
+  const Folder folder;
+  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,3,1,0,0,0\n0,0,1.5,1,0,0,0\n");
+  const std::string line = "track --a scene:ball --b scene:square --poses-a " + poses;
+  const auto expect_marks = [&](const std::string& options, const std::string& marks, int exit_code) {
+    const Outcome outcome = run(line + options);
+    std::string found;
+    for (const Row& row : table_of(outcome.out)) found += row.at("too_close") + ' ';
+    EXPECT_EQ(found, marks) << options;
+    EXPECT_EQ(outcome.exit_code, exit_code) << options;
+  };
+  expect_marks(" --min-clearance 0.5", "false false false ", 0);  // distances are 3, 2 and 0.5
+  expect_marks(" --min-clearance 2", "false false true ", 3);
+  expect_marks(" --min-clearance 2.5 --max-distance 2.5", "false true true ", 3);
+  // Errors that are allowed do not decide.
+  expect_marks(" --min-clearance 2 --relative-error 1", "false false true ", 3);
+  expect_marks(" --min-clearance 2 --engine classic --absolute-error 1", "false false true ", 3);
+  EXPECT_EQ(table_of(run(line).out).front().count("too_close"), 0U);
+  EXPECT_EQ(json_lines_of(run(line + " --min-clearance 2 --json"))[2]["too_close"], true);
+  expect_refused(line + " --min-clearance 2 --max-distance 1", "--max-distance");
+  expect_refused(line + " --min-clearance 0", "--min-clearance");
+}
+
+TEST(ProgramTrack, AClearanceIsBrokenBetweenFrames) {
+  const Folder folder;
+  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,-4,1,0,0,0\n0,0,-5,1,0,0,0\n");
+  const std::string line = "track --a scene:ball --b scene:square --poses-a " + poses + " --min-clearance 0.5 --json";
+  EXPECT_EQ(run(line).exit_code, 0);
+  const Outcome outcome = run(line + " --continuous");
+  EXPECT_EQ(outcome.exit_code, 3);
+  const std::vector<nlohmann::json> rows = json_lines_of(outcome);
+  ASSERT_EQ(rows.size(), 3U);
+  for (const auto& [frame, is_broken] : {std::pair(0, false), std::pair(1, true), std::pair(2, false)}) {
+    EXPECT_EQ(rows[static_cast<std::size_t>(frame)]["too_close"], is_broken) << frame;
+  }
+}
+
+TEST(ProgramTrack, TellsHowDeepClosedModelsAreInEachOther) {
+  const Folder folder;
+  const std::string small = folder.store("small.obj", scenes::ball(8, 4));
+  Mesh half = scenes::ball(8, 4);
+  for (VertexId v = 0; v < half.positions().size(); ++v) half.set_position(v, half.positions()[v] * 0.5).value();
+  const Words balls = {small, folder.store("half.obj", half), small, small},
+              poses = {"0,0,1.5,1,0,0,0", "0,0,0.25,1,0,0,0", "0,0,1.75,1,0,0,0", "0,0,5,1,0,0,0"};
+  const std::string line =
+      "track --a " + joined(balls) + " --b scene:ball --min-clearance 0.01 --poses-a " +
+      folder.store("poses.csv", poses[0] + '\n' + poses[1] + '\n' + poses[2] + '\n' + poses[3] + '\n');
+  const Report report(line + " --depth");
+  const std::vector<Row> rows = table_of(report.outcome.out);
+  const auto objects = json_lines_of(run(line + " --depth --json")), without = json_lines_of(run(line + " --json"));
+  ASSERT_EQ(rows.size(), 4U);
+  for (std::size_t f = 0; f < rows.size(); ++f) {
+    SCOPED_TRACE(f);
+    const nlohmann::json still =
+        json_lines_of(run("distance --json " + balls[f] + " scene:ball --pose-a " + poses[f])).at(0);
+    const double depth = still["depth"].is_null() ? 0 : still["depth"].get<double>();
+    EXPECT_EQ(depth > 0, f < 3);
+    EXPECT_EQ(number(rows[f].at("depth")), depth);
+    EXPECT_EQ(objects[f]["depth"], depth);
+    EXPECT_EQ(report.data["rows"]["depth"][f], depth);
+    EXPECT_EQ(objects[f]["too_close"], f < 3);
+    EXPECT_EQ(without[f]["too_close"], f % 2 == 0);  // surfaces do not meet where one ball has the other inside
+    EXPECT_FALSE(without[f].contains("depth"));
+  }
+  expect_refused("track --a scene:ball --b scene:square --depth", "--depth: scene:square: the surface is not closed");
+  expect_refused("track --a scene:ball --b scene:ball --depth --engine classic", "--depth: belongs to --engine fast");
+}
+
+TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {
+  const Folder folder;
+  const auto distance_with = [&](const std::string& csv) {
+    const auto rows = json_rows_of("track --a scene:ball --b scene:square --poses-a " + folder.store("poses.csv", csv));
+    return rows.size() == 1 ? rows[0]["upper"].get<double>() : -1;
+  };
+  // Half a turn about x and then 3 along z, as some programs order the numbers; and with a column of ours in between.
+  EXPECT_NEAR(distance_with("tx,ty,tz,qx,qy,qz,qw\n0,0,3,1,0,0,0\n"), 2, 1e-14);
+  EXPECT_EQ(distance_with("frame,tz,ty,tx,qw,qx,qy,qz\n17,3,0,0,1,0,0,0\n"), 2);
+  EXPECT_EQ(distance_with("\xEF\xBB\xBF\"tx\",ty,tz,qw,qx,qy,qz\n\"0\",0,3,1,0,0,0\n"), 2);
+}
+
+TEST(ProgramTrack, MaxDistanceLeavesCellsEmptyAndFieldsNull) {
+  const Folder folder;
+  const std::string line = "track --a scene:ball --b scene:square --max-distance 1.5 --poses-a " +
+                           folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,1.032987,1,0,0,0\n");
+  const auto rows = table_of(answer_to(line));
+  const auto objects = json_rows_of(line);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].at("status"), "beyond_limit");
+  EXPECT_EQ(rows[0].at("lower"), "1.5");
+  for (const char* column : {"upper", "point_a_x", "point_b_z", "triangle_a", "triangle_b", "face_a", "face_b"}) {
+    EXPECT_EQ(rows[0].at(column), "") << column;
+    EXPECT_NE(rows[1].at(column), "") << column;
+  }
+  EXPECT_TRUE(objects[0]["upper"].is_null());
+  EXPECT_TRUE(objects[0]["witness"].is_null());
+  for (nlohmann::json object : objects) {
+    for (const char* key : {"update_us", "query_us"}) object.erase(key);
+    expect_same(rows[object["frame"]], object);
+  }
+}
+
+TEST(ProgramTrack, BothModelsMayDeform) {
+  const auto rows = json_rows_of("track --a scene:wave:0 scene:wave:1 --b scene:wave:5 scene:wave:6");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[1]["moved_vertices"], 2 * 10201);
+}
+
+TEST(ProgramTrack, LoopsRepeatTheSequence) {
+  const Folder folder;
+  const auto rows = json_rows_of(below_ball(folder, stored_waves(folder, 3)) + " --loop 3");
+  ASSERT_EQ(rows.size(), 9U);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    EXPECT_EQ(rows[r]["frame"], r);
+    EXPECT_EQ(rows[r]["upper"], rows[r % 3]["upper"]);
+  }
+  EXPECT_EQ(rows[3]["moved_vertices"], 81);
+}
+
+TEST(ProgramTrack, PartsThatTouchInTheFirstFrameMayPart) {
+  const Folder folder;
+  const auto two_triangles = [](const std::string& x) {
+    return "v 0 0 0\nv 1 0 0\nv 1 1 0\nv " + x + " 0 0\nv " + x + " 1 0\nv 9 0 0\nf 1 2 3\nf 4 6 5\n";
+  };
+  const std::string probe = folder.store("probe.obj", "v 3 0 0\nv 3 0 1\nv 3 1 1\nf 1 2 3\n");
+  const std::string frames =
+      folder.store("0.obj", two_triangles("1")) + " " + folder.store("1.obj", two_triangles("5"));
+  EXPECT_EQ(json_rows_of("track --b " + probe + " --a " + frames)[1]["upper"], 2);
+}
+
+TEST(ProgramTrack, ErrorsOfLaterFramesKeepEarlierRows) {
+  const Folder folder;
+  Words waves = stored_waves(folder, 3);
+  const auto error_with = [&](const std::string& last_frame) {
+    waves[2] = last_frame;
+    const Outcome outcome = run("track --b scene:ball --a " + joined(waves));
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(lines_of(outcome.out).size(), 3U) << outcome.out;  // the header and frames 0 and 1
+    EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
+    return outcome.err;
+  };
+  const std::string error = error_with(folder.store("other.obj", scenes::wave_sheet(8, 9, 0)));
+  for (const char* part : {"limber: track: ", "frame 2", "144", "128", "90", "81"}) {
+    EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
+  }
+  error_with(folder.path("missing.obj"));
+}
+
+/// A strip that folds over itself: first above, then through, then above again.
+Words stored_strips(const Folder& folder) {
+  return {folder.store("0.obj", folded_strip(0.25, 0.25)), folder.store("1.obj", folded_strip(0.2, -0.2)),
+          folder.store("2.obj", folded_strip(0.25, 0.3))};
+}
+
+TEST(ProgramTrackContacts, EachFrameHasTheContactsOfStillModels) {
+  const Folder folder;
+  const Words strips = stored_strips(folder), poses = {"0.5,0.5,3,1,0,0,0", "0.5,0.5,1,1,0,0,0", "0.5,0.5,1.4,1,0,0,0"};
+  const std::string line = "track --b scene:ball --contacts --margin 0.2 --a " + joined(strips) + " --poses-b " +
+                           folder.store("poses.csv", poses[0] + '\n' + poses[1] + '\n' + poses[2] + '\n');
+  const std::vector<Row> rows = table_of(answer_to(line));
+  const auto objects = json_rows_of(line);
+  ASSERT_EQ(rows.size(), 3U);
+  ASSERT_EQ(objects.size(), 3U);
+  for (std::size_t f = 0; f < 3; ++f) {
+    SCOPED_TRACE(f);
+    const nlohmann::json still = json_of("contacts " + strips[f] + " scene:ball --margin 0.2 --pose-b " + poses[f]);
+    nlohmann::json contact = objects[f]["contact"];
+    EXPECT_EQ(contact["count"], still["count"]);
+    EXPECT_EQ(contact["intersecting"], still["intersecting"]);
+    EXPECT_EQ(contact["count"] > 0, f > 0);
+    EXPECT_EQ(contact["pair"], f == 0 ? nlohmann::json(nullptr) : still["pairs"][0]);
+    EXPECT_GT(number(rows[f].at("contact_query_us")), 0);
+    EXPECT_GT(contact["query_us"].get<double>(), 0);
+    contact.erase("query_us");
+    expect_same(rows[f], contact, "contact_");
+    EXPECT_EQ(rows[f].at("contact_distance").empty(), f == 0);
+    EXPECT_EQ(rows[f].count("self_a_count"), 0U);
+    EXPECT_FALSE(objects[f].contains("self_a"));
+  }
+}
+
+TEST(ProgramTrackContacts, ModelsThatDeformMeetThemselves) {
+  const Folder folder;
+  const Words strips = stored_strips(folder), counts = {"0", "3", "0"};
+  const std::vector<Row> rows = table_of(answer_to("track --b scene:ball --self --a " + joined(strips)));
+  ASSERT_EQ(rows.size(), 3U);
+  for (std::size_t f = 0; f < 3; ++f) {
+    EXPECT_EQ(rows[f].at("self_a_count"), counts[f]);
+    EXPECT_EQ(rows[f].at("self_a_intersecting"), counts[f]);
+    EXPECT_EQ(rows[f].count("self_b_count"), 0U);  // the ball does not deform
+    EXPECT_EQ(rows[f].count("contact_count"), 0U);
+    EXPECT_EQ(rows[f].at("self_a_triangle_b").empty(), f != 1);
+  }
+  const auto both = json_rows_of("track --self --contacts --margin 0.01 --a " + joined(strips) + " --b " +
+                                 joined({strips[0], strips[2], strips[1]}));
+  ASSERT_EQ(both.size(), 3U);
+  for (const auto& [f, count_a, count_b] : {std::array{0, 0, 0}, std::array{1, 3, 0}, std::array{2, 0, 3}}) {
+    const nlohmann::json& frame = both[static_cast<std::size_t>(f)];
+    EXPECT_EQ(frame["self_a"]["count"], count_a);
+    EXPECT_EQ(frame["self_b"]["count"], count_b);
+    EXPECT_EQ(frame["self_a"]["pair"].is_null(), count_a == 0);
+    EXPECT_EQ(frame["self_b"]["pair"].is_null(), count_b == 0);
+  }
+  EXPECT_GE(both[0]["contact"]["intersecting"].get<int>(), 8);  // each triangle with itself at least
+}
+
+TEST(ProgramTrackContacts, OtherColumnsStayAsTheyAre) {
+  const Folder folder;
+  const std::string line = "track --b scene:ball --a " + joined(stored_strips(folder));
+  const auto header_with = [&](const std::string& options) { return lines_of(answer_to(line + options)).at(0); };
+  const std::string without = header_with(""), contacts = header_with(" --contacts");
+  EXPECT_EQ(header_with(" --contacts --self"), contacts + header_with(" --self").substr(without.size()));
+  EXPECT_EQ(contacts.find(without + ",contact_query_us,contact_count,contact_intersecting,"
+                                    "contact_triangle_a,contact_triangle_b,contact_distance,"),
+            0U);
+}
+
+}  // namespace
+}  // namespace limber::program_tests
