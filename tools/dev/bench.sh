@@ -7,6 +7,8 @@
 #: bench mix [F]    a broad mix of scenes next to FCL and Coal, with all meshes of F that it knows; --poses N for other
 #:                  than 40 poses a situation, --scene PARTS... for scenes with one of these in their names
 #: bench against REV [F]  this revision next to another in one process: ratios of queries, updates and builds
+#: bench answers    a hash of the answers to 200 000 queries of every kind, to be compared with other machines, compilers,
+#:                  revisions; --scale N for 4 000 N queries
 #: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
 #:                  what a cache saves and costs
 #: bench spikes     what moves and commits take at worst while trees stay as good as new
@@ -113,6 +115,12 @@ bench_against() {
     printf '# This revision next to %s\n\n' "$1"
     "$root/build/bench/bench/limber_bench_against" "${@:2}" </dev/null
   } | tee -- "$results/against.md"
+}
+
+bench_answers() {
+  need build io program
+  build_benches answers
+  run_bench answers "$@"
 }
 
 bench_deforming() {
@@ -236,6 +244,7 @@ case $name in
   spikes) bench_spikes "${@:2}" ;;
   haptics) bench_haptics "${@:2}" ;;
   against) bench_against "${@:2}" ;;
+  answers) bench_answers "${@:2}" ;;
   contacts) bench_contacts "${@:2}" ;;
   motion) bench_motion "${@:2}" ;;
   shapes) bench_shapes "${@:2}" ;;
@@ -244,7 +253,7 @@ case $name in
   threads) bench_threads "${@:2}" ;;
   solvers) bench_solvers "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, shapes, scene," \
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, answers, contacts, motion, shapes, scene," \
     "configurations, threads, solvers" ;;
 esac
 say "results are in $results"
