@@ -17,8 +17,8 @@ struct AnswerHash {
   std::uint64_t hash = 0;  ///< of every bit of the answers, in their order; statistics and times do not count
 };
 
-/// Asks queries of every kind that the library has, about scenes where bodies are apart, cross, touch, deform and lie in
-/// common planes: some 4 000 for each unit of `scale`, which takes a second.
+/// Asks queries of every kind that the library has, about scenes where bodies are apart, cross, touch, deform and lie
+/// in common planes: some 4 000 for each unit of `scale`, which takes a second.
 std::vector<AnswerHash> answer_hashes(std::uint32_t scale);
 
 /// One hash of them all.

@@ -22,7 +22,6 @@
 #:                  accepts that license
 #: bench motion F   how far moving meshes can go, next to the IPC Toolkit from PyPI; F is a folder with cloth_ball_92.ply,
 #:                  cloth_ball_93.ply, armadillo_rollers_326.ply and armadillo_rollers_327.ply
-#: bench shapes [F]  distances of shapes to a large mesh, next to closest points; F is a folder with stanford-bunny.obj
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
 #: bench configurations  the closest links of two arms in 10 000 configurations, in Python, next to python-fcl
 #: bench threads [F]  how much faster what runs on several threads is, on 2, 4, 8, ... of them; F is a folder with
@@ -193,13 +192,6 @@ bench_motion() {
   run_bench motion --meshes "$1" "${theirs[@]}" "${@:2}"
 }
 
-bench_shapes() {
-  use_meshes "$@"
-  need build io program
-  build_benches shapes
-  run_bench shapes "${meshes[@]}"
-}
-
 bench_scene() {
   need build io program peers
   build_benches scene
@@ -247,13 +239,12 @@ case $name in
   answers) bench_answers "${@:2}" ;;
   contacts) bench_contacts "${@:2}" ;;
   motion) bench_motion "${@:2}" ;;
-  shapes) bench_shapes "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
   configurations) bench_configurations "${@:2}" ;;
   threads) bench_threads "${@:2}" ;;
   solvers) bench_solvers "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, answers, contacts, motion, shapes, scene," \
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, answers, contacts, motion, scene," \
     "configurations, threads, solvers" ;;
 esac
 say "results are in $results"
