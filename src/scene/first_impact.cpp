@@ -13,7 +13,7 @@
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "limber/path.h"
-#include "path/path_motion.h"
+#include "motion/rigid/path_motion.h"
 #include "scene/scene_impl.h"
 #include "scene/searches.h"
 
@@ -78,7 +78,7 @@ void ImpactSearch::find_near(const scene::WorldBounds& bounds, double reach) {
 }
 
 void ImpactSearch::ask(ObjectId id) {
-  const PathImpact impact = path::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
+  const PathImpact impact = motion::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
   PathImpact& first = found_.result;
   const std::uint64_t distances = first.distance_count + impact.distance_count;
   const QueryStats stats{first.stats.node_tests + impact.stats.node_tests,
@@ -120,7 +120,7 @@ void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene::time_of_impact: objects or models have changed since the last commit");
   require_ready(Placed(body), time_of_impact_name, "the model");
-  path::check_options({options.max_time, options.min_separation, options.distance_error}, time_of_impact_name);
+  motion::check_options({options.max_time, options.min_separation, options.distance_error}, time_of_impact_name);
 }
 
 }  // namespace
@@ -131,7 +131,7 @@ ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidMotion& mo
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
   const auto pose = [&](double time) { return motion.at(time); };
-  return ImpactSearch(scene, body, {pose, path::speed_of(body, motion)}, &motion, options).run();
+  return ImpactSearch(scene, body, {pose, motion::speed_of(body, motion)}, &motion, options).run();
 }
 
 ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidPath& path,
@@ -139,7 +139,7 @@ ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidPath& path
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
-  path::check_speed(path.speed, time_of_impact_name);
+  motion::check_speed(path.speed, time_of_impact_name);
   return ImpactSearch(scene, body, path, nullptr, options).run();
 }
 
