@@ -43,6 +43,18 @@ machine() {
   printf '%s\n' "${name:-$(uname -m)}"
 }
 
+# The name that people know a server's processor by.
+known_as() {
+  case "$(processor 'cpu family') $(processor model)" in
+    '6 106') printf ', Ice Lake' ;;
+    '6 143') printf ', Sapphire Rapids' ;;
+    '6 207') printf ', Emerald Rapids' ;;
+    '25 1') printf ', Milan' ;;
+    '25 17') printf ', Genoa' ;;
+    '26 2') printf ', Turin' ;;
+  esac
+}
+
 # build_benches NAME...: builds these benchmarks, next to all libraries that are found.
 build_benches() {
   local coal
@@ -56,7 +68,8 @@ build_benches() {
 run_bench() {
   mkdir -p -- "$results"
   {
-    printf 'processor  %s, family %s, model %s\n' "$(processor 'model name')" "$(processor 'cpu family')" "$(processor model)"
+    printf 'processor  %s%s (family %s, model %s)\n' "$(processor 'model name')" "$(known_as)" "$(processor 'cpu family')" \
+      "$(processor model)"
     printf 'cores      %s visible, 1 used\n' "$jobs"
     cat -- "$root/build/bench/bench/compiler.txt"
   } >"$results/machine.txt"
