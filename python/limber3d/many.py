@@ -84,8 +84,8 @@ def _records(
     return records
 
 
-def _joined(parts: list[RecordArray], dtype: numpy.dtype[numpy.void]) -> RecordArray:
-    """One array of all records. NumPy by itself would pack them: their element type would be another."""
+def records_of(parts: list[RecordArray], dtype: numpy.dtype[numpy.void]) -> RecordArray:
+    """One array of all parts. NumPy by itself would pack them: their element type would be another."""
     records = numpy.zeros(sum(map(len, parts)), dtype)
     return numpy.concatenate(parts, out=records) if parts else records
 
@@ -332,7 +332,7 @@ def track(
     count = len(frames) if isinstance(frames, Sized) else None
 
     def joined() -> RecordArray:
-        return _joined(records, _core.distance_dtype)
+        return records_of(records, _core.distance_dtype)
 
     try:
         with progress_bar(count, progress) as advance:

@@ -12,8 +12,7 @@ import limber3d
 import numpy
 import pytest
 from limber3d import ImpactStatus, RigidMotion
-from shapes import random_poses, rotation
-from shared_batches import same_bits
+from shapes import random_poses, rotation, same_bits
 
 COUNT = 300
 STARTS_A, ENDS_A = random_poses(1, COUNT), random_poses(2, COUNT)
