@@ -41,11 +41,6 @@ Placed ClosedSurface::placed(const Transform& world_from_model) const {
   return {*model_, world_from_model};
 }
 
-Body::Body(const ClosedSurface& solid)
-    : model_(&Access::placed(PlacedSurface(solid)).model()),
-      surface_id_(Access::impl(*model_).surface_id),
-      is_solid_(true) {}
-
 bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
   return winding_number(point, world_from_model).value_or(1) != 0;
 }

@@ -13,7 +13,7 @@
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "limber/path.h"
-#include "path/path_motion.h"
+#include "motion/rigid/path_motion.h"
 #include "scene/scene_impl.h"
 #include "scene/searches.h"
 
@@ -77,7 +77,7 @@ void ImpactSearch::find_near(const scene::WorldBounds& bounds, double reach) {
 }
 
 void ImpactSearch::ask(ObjectId id) {
-  const PathImpact impact = path::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
+  const PathImpact impact = motion::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
   PathImpact& first = found_.result;
   const std::uint64_t distances = first.distance_count + impact.distance_count;
   QueryStats stats = first.stats;
@@ -118,7 +118,7 @@ ObjectImpactResult ImpactSearch::run() {
 void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions& options) {
   scene::require_committed(scene, "limber::Scene::time_of_impact");
   require_ready(Placed(body), time_of_impact_name, "the model");
-  path::check_options(options.path, time_of_impact_name);
+  motion::check_options(options.path, time_of_impact_name);
   LIMBER_REQUIRE(options.path.cache == nullptr, "limber::Scene::time_of_impact: path takes no cache");
 }
 
@@ -130,7 +130,7 @@ ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidMotion& mo
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
   const auto pose = [&](double time) { return motion.at(time); };
-  return ImpactSearch(scene, body, {pose, path::speed_of(body, motion)}, &motion, options).run();
+  return ImpactSearch(scene, body, {pose, motion::speed_of(body, motion)}, &motion, options).run();
 }
 
 ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidPath& path,
@@ -138,7 +138,7 @@ ObjectImpactResult Scene::time_of_impact(const Body& body, const RigidPath& path
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("time_of_impact");
   check(scene, body, options);
-  path::check_speed(path.speed, time_of_impact_name);
+  motion::check_speed(path.speed, time_of_impact_name);
   return ImpactSearch(scene, body, path, nullptr, options).run();
 }
 

@@ -7,6 +7,8 @@
 #: bench mix [F]    a broad mix of scenes next to FCL and Coal, with all meshes of F that it knows; --poses N for other
 #:                  than 40 poses a situation, --scene PARTS... for scenes with one of these in their names
 #: bench against REV [F]  this revision next to another in one process: ratios of queries, updates and builds
+#: bench answers    a hash of the answers to 200 000 queries of every kind, to be compared with other machines, compilers,
+#:                  revisions; --scale N for 4 000 N queries
 #: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
 #:                  what a cache saves and costs
 #: bench spikes     what moves and commits take at worst while trees stay as good as new
@@ -20,7 +22,6 @@
 #:                  accepts that license
 #: bench motion F   how far moving meshes can go, next to the IPC Toolkit from PyPI; F is a folder with cloth_ball_92.ply,
 #:                  cloth_ball_93.ply, armadillo_rollers_326.ply and armadillo_rollers_327.ply
-#: bench shapes [F]  distances of shapes to a large mesh, next to closest points; F is a folder with stanford-bunny.obj
 #: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
 #: bench configurations  the closest links of two arms in 10 000 configurations, in Python, next to python-fcl
 #: bench threads [F]  how much faster what runs on several threads is, on 2, 4, 8, ... of them; F is a folder with
@@ -115,6 +116,12 @@ bench_against() {
   } | tee -- "$results/against.md"
 }
 
+bench_answers() {
+  need build io program
+  build_benches answers
+  run_bench answers "$@"
+}
+
 bench_deforming() {
   use_meshes "$@"
   need build io program peers
@@ -185,13 +192,6 @@ bench_motion() {
   run_bench motion --meshes "$1" "${theirs[@]}" "${@:2}"
 }
 
-bench_shapes() {
-  use_meshes "$@"
-  need build io program
-  build_benches shapes
-  run_bench shapes "${meshes[@]}"
-}
-
 bench_scene() {
   need build io program peers
   build_benches scene
@@ -236,15 +236,15 @@ case $name in
   spikes) bench_spikes "${@:2}" ;;
   haptics) bench_haptics "${@:2}" ;;
   against) bench_against "${@:2}" ;;
+  answers) bench_answers "${@:2}" ;;
   contacts) bench_contacts "${@:2}" ;;
   motion) bench_motion "${@:2}" ;;
-  shapes) bench_shapes "${@:2}" ;;
   scene) bench_scene "${@:2}" ;;
   configurations) bench_configurations "${@:2}" ;;
   threads) bench_threads "${@:2}" ;;
   solvers) bench_solvers "${@:2}" ;;
   *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, shapes, scene," \
+    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, answers, contacts, motion, scene," \
     "configurations, threads, solvers" ;;
 esac
 say "results are in $results"

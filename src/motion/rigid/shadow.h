@@ -7,7 +7,7 @@
 
 #include "limber/path.h"
 
-namespace limber::path {
+namespace limber::motion {
 
 /// Two bodies and how they move. Refers to the motions.
 struct MovingBodies {
@@ -58,4 +58,4 @@ class Shadow {
   double shortened_ = 1;  ///< what is left of a length along the axis, as a part of it
 };
 
-}  // namespace limber::path
+}  // namespace limber::motion

@@ -8,7 +8,7 @@
 #include "limber/math.h"
 #include "limber/mesh.h"
 
-namespace limber::shape {
+namespace limber::model {
 
 /// The convex hull of some points.
 struct Hull {
@@ -29,4 +29,4 @@ struct Hull {
 /// Source   [Edelsbrunner1987], the beneath-beyond method.
 Hull convex_hull(std::span<const Vec3> points);
 
-}  // namespace limber::shape
+}  // namespace limber::model

@@ -10,10 +10,10 @@
 
 #include "limber/gradients.h"
 #include "limber/path.h"
+#include "motion/rigid/shadow.h"
 #include "pair/budget_meter.h"
-#include "path/shadow.h"
 
-namespace limber::path {
+namespace limber::motion {
 
 /// Returns how two bodies move, or null where their paths are no motions.
 using FindMotions = FunctionRef<const MovingBodies*()>;
@@ -139,4 +139,4 @@ class MovingDistance {
   double next_shadow_ = 0.5 * work_of_shadow();
 };
 
-}  // namespace limber::path
+}  // namespace limber::motion

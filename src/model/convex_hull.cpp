@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shape/convex_hull.h"
+#include "model/convex_hull.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include "base/check.h"
 #include "geometry/primitives.h"
 
-namespace limber::shape {
+namespace limber::model {
 namespace {
 
 bool is_before(const Vec3& p, const Vec3& q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); }
@@ -127,4 +127,4 @@ Hull convex_hull(std::span<const Vec3> points) {
   return with_used_points(points, hull.faces(), true);
 }
 
-}  // namespace limber::shape
+}  // namespace limber::model

@@ -11,7 +11,7 @@
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "geometry/local_frame.h"
-#include "shape/convex_hull.h"
+#include "model/convex_hull.h"
 
 namespace limber {
 namespace {
@@ -81,18 +81,6 @@ std::uint32_t sides_within(double error, double radius) {
 }
 
 }  // namespace
-
-Body::Body(const Model& model, double radius) : model_(&model), radius_(radius) {
-  LIMBER_REQUIRE(radius >= 0 && radius <= max_coordinate,
-                 "limber::Body: the radius must be finite, at least 0 and at most max_coordinate");
-}
-
-// Solid shapes are convex.
-Body::Body(const Shape& shape)
-    : model_(&shape.model()),
-      radius_(shape.radius()),
-      is_solid_(shape.is_solid()),
-      is_in_one_piece_(shape.is_solid()) {}
 
 Shape::Shape(Mesh core, double radius, bool is_solid, double deviation)
     : model_(std::make_unique<const Model>(std::move(core))),
@@ -173,7 +161,7 @@ Shape Shape::convex_hull(std::span<const Vec3> points, double radius) {
   const base::DefaultFloatEnvironment environment;
   check_points(points, "convex_hull");
   check_size(radius, "convex_hull", "radius");
-  shape::Hull hull = shape::convex_hull(points);
+  model::Hull hull = model::convex_hull(points);
   return {core(std::move(hull.positions), std::move(hull.triangles), "convex_hull"), radius, hull.is_solid};
 }
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "bvh/node.h"
+#include "layout/node.h"
 
 /// Memory layout of the bounds of a moving model: one node for each node of its tree, one leaf for each leaf. All is
 /// stored twice, for the start and for the end of the motion; in between it is interpolated linearly, as vertices are.

@@ -15,12 +15,12 @@
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "limber/path.h"
-#include "path/moving_distance.h"
-#include "path/path_motion.h"
-#include "path/shadow.h"
+#include "motion/rigid/moving_distance.h"
+#include "motion/rigid/path_motion.h"
+#include "motion/rigid/shadow.h"
 
 namespace limber {
-namespace path {
+namespace motion {
 namespace {
 
 void require(bool holds, const char* function, const char* what) {
@@ -220,32 +220,32 @@ PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMoti
   return first_impact(moving, begin, options);
 }
 
-}  // namespace path
+}  // namespace motion
 
 PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::impact_on_whole_way>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
-                                              "limber::time_of_impact", path::no_motions);
+  return motion::ask<motion::impact_on_whole_way>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
+                                                  "limber::time_of_impact", motion::no_motions);
 }
 
 PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::impact_on_whole_way>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
+  return motion::ask<motion::impact_on_whole_way>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
 }
 
 PathDistance min_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, "limber::min_distance",
-                                  path::no_motions);
+  return motion::ask<motion::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
+                                      "limber::min_distance", motion::no_motions);
 }
 
 PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return path::ask<path::nearest>(a, motion_a, b, motion_b, options, "limber::min_distance");
+  return motion::ask<motion::nearest>(a, motion_a, b, motion_b, options, "limber::min_distance");
 }
 
 }  // namespace limber

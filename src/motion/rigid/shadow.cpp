@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "path/shadow.h"
+#include "motion/rigid/shadow.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 #include "geometry/primitives.h"
 
-namespace limber::path {
+namespace limber::motion {
 namespace {
 
 // The rounding of a shadow's coordinates in some 20 operations, as a part of the largest coordinate.
@@ -145,4 +145,4 @@ std::optional<double> Shadow::distance(const DistanceOptions& options, QueryStat
   return found.lower - shadow_error * size;
 }
 
-}  // namespace limber::path
+}  // namespace limber::motion

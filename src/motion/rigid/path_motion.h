@@ -5,7 +5,7 @@
 #include "limber/path.h"
 
 /// Functions that queries of two moving bodies share with the sweep of one body through a scene.
-namespace limber::path {
+namespace limber::motion {
 
 /// Throws   std::invalid_argument, naming the function, unless the options are what their comments say.
 void check_options(const PathOptions& options, const char* function);
@@ -22,4 +22,4 @@ double speed_of(const Body& body, const RigidMotion& motion);
 PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMotion* motion, const Placed& standing,
                         double begin, const PathOptions& options);
 
-}  // namespace limber::path
+}  // namespace limber::motion

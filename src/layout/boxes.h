@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "bvh/node.h"
+#include "layout/node.h"
 
 namespace limber::bvh {
 
