@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import limber3d
-import numpy
 import pytest
 import shapes
 

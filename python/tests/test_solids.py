@@ -11,7 +11,6 @@ import limber3d
 import numpy
 import pytest
 from limber3d import SolidRelation
-from shapes import TETRA_FACES, TETRA_VERTICES
 from shapes import ball as ball_arrays
 from shapes import random_poses
 
