@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "page_decoding.h"
 #include "run_program.h"
 #include "scenes/scenes.h"
@@ -11,17 +9,10 @@
 namespace limber::program_tests {
 namespace {
 
-/// A waving sheet in frames 0 to `count` - 1. What is left of its middle stands still after frame 2.
+/// A waving sheet in frames 0 to `count` - 1.
 std::vector<Mesh> waves(std::uint32_t count, std::uint32_t side) {
   std::vector<Mesh> meshes;
-  for (std::uint32_t f = 0; f < count; ++f) {
-    Mesh sheet = scenes::wave_sheet(side, side, f);
-    const Mesh early = scenes::wave_sheet(side, side, std::min(f, 2U));
-    for (VertexId v = 0; v < sheet.positions().size() / 2; ++v) {
-      sheet.set_position(v, early.positions()[v]).value();
-    }
-    meshes.push_back(std::move(sheet));
-  }
+  for (std::uint32_t f = 0; f < count; ++f) meshes.push_back(scenes::wave_sheet(side, side, f));
   return meshes;
 }
 

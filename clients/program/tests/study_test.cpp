@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "contact_meshes.h"
 #include "limber/points.h"
 #include "page_decoding.h"
 #include "reports/sha256.h"
@@ -17,29 +18,14 @@ namespace limber::program_tests {
 namespace {
 
 /// A closed cube with a corner at the origin.
-Mesh cube(double size) {
-  std::vector<Vec3> points;
-  for (int i = 0; i < 8; ++i) points.push_back({size * (i & 1), size * (i >> 1 & 1), size * (i >> 2)});
-  return Mesh::create(points, {{{0, 2, 3}},
-                               {{0, 3, 1}},
-                               {{4, 5, 7}},
-                               {{4, 7, 6}},
-                               {{0, 1, 5}},
-                               {{0, 5, 4}},
-                               {{2, 6, 7}},
-                               {{2, 7, 3}},
-                               {{0, 4, 6}},
-                               {{0, 6, 2}},
-                               {{1, 3, 7}},
-                               {{1, 7, 5}}})
-      .value();
-}
+Mesh cube_at_origin(double size) { return cube(Vec3{1, 1, 1} * (size / 2), size / 2); }
 
 /// Cubes of size 4 and 1: the small one overlaps the large one, is inside, flush, near and far; and a square, which is
 /// open, meets it.
 struct Pairs {
   Folder folder;
-  std::string large = folder.store("large.obj", cube(4)), small = folder.store("small.obj", cube(1));
+  std::string large = folder.store("large.obj", cube_at_origin(4)),
+              small = folder.store("small.obj", cube_at_origin(1));
   std::string file = folder.store("pairs.csv", "model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz\n" +  //
                                                    large + ',' + small + ",9,1,1\n" +               //
                                                    large + ',' + small + ",3.5,1,1\n" +             //
@@ -103,7 +89,8 @@ TEST(ProgramStudy, TellsWhatStandsWhereAndHowDeepHardClashesAre) {
 
 TEST(ProgramStudy, OfPartsAsksAboutAllPairs) {
   const Folder folder;
-  const std::string large = folder.store("large.obj", cube(4)), small = folder.store("small.obj", cube(1));
+  const std::string large = folder.store("large.obj", cube_at_origin(4)),
+                    small = folder.store("small.obj", cube_at_origin(1));
   const std::string file = folder.store("parts.csv", "pose_tx,name,model\n0,block," + large + "\n4,\"pin, left\"," +
                                                          small + "\n7,," + small + "\n1,,scene:square\n");
   const Report report("distance --json --parts " + file + " --min-clearance 0.5");
@@ -156,7 +143,7 @@ TEST(ProgramStudy, NamesWhatIsWrongInAFileOfParts) {
 
 TEST(ProgramStudy, HasTheWorstOfTooManyPairs) {
   const Folder folder;
-  const std::string pin = folder.store("pin.obj", cube(1));
+  const std::string pin = folder.store("pin.obj", cube_at_origin(1));
   std::string many = "model,pose_tx\n";  // in a row, each but the first 0.5 from the next; the first is in the second
   for (int i = 0; i < 202; ++i) many += pin + ',' + std::to_string(i == 0 ? 1.75 : 1.5 * i) + '\n';
   const std::string line = "distance --parts " + folder.store("many.csv", many);
