@@ -3,8 +3,8 @@
 
 /** A list of answers, such as one for each pose: the worst first, chosen by a click, and parted by what they say. */
 
-import { byId, element } from '../shared/dom.ts';
-import { grouped } from '../shared/numbers.ts';
+import { byId, element } from './dom.ts';
+import { grouped } from './numbers.ts';
 
 export interface ListedRow {
   /** Its number in the answer. */

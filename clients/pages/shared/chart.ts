@@ -4,50 +4,37 @@
 /** Charts, such as those over the rows of a sequence: linked, with a line at the row that is shown. */
 
 import uPlot from 'uplot';
-import { element, onThemeChange, token } from '../shared/dom.ts';
-import { roundAbove, roundBelow, shown } from '../shared/numbers.ts';
+import { element, onThemeChange, token } from './dom.ts';
+import { shown } from './numbers.ts';
 
 type Values = readonly (number | null)[];
 
-interface Drawn {
+/** What is drawn, from the back to the front. */
+export interface Series {
+  /** A line, which ends where values are missing, or goes on beyond them; what is above `low`; or dots alone. */
+  kind: 'line' | 'dashed' | 'spanned' | 'area' | 'dot';
   /** What is without a name has no key. */
   name?: string;
   /** In the key, after the name. */
   numbers?: string;
   /** A token of page.css. */
   color: string;
-}
-
-export interface Curve extends Drawn {
   values: Values;
-  isDashed?: boolean;
-  /** The curve goes on beyond values that are missing; or there are dots alone. Without it, it ends there. */
-  gaps?: 'spanned' | 'dots';
-}
-
-/** What is between two curves. */
-export interface Area extends Drawn {
-  low: Values;
-  high: Values;
-}
-
-export interface Dots extends Drawn {
-  values: Values;
-  size: number;
+  low?: Values;
+  /** Of dots. */
+  size?: number;
 }
 
 export interface ChartOptions {
   title: string;
   unit: string;
-  areas?: readonly Area[];
-  curves: readonly Curve[];
-  dots?: readonly Dots[];
+  series: readonly Series[];
   isLogarithmic?: boolean;
   /** Values of x with a line. */
   marks?: readonly number[];
   /** A value with a line across. */
   limit?: { name: string; value: number };
-  /** What the rows are called, at the line of the row that is shown, and under the pointer. */
+  /** What the rows are called, under the pointer. */
   names?: readonly string[];
 }
 
@@ -64,27 +51,21 @@ export class Chart {
 
   /** Appends the chart to `host`; `jump` is called with the row that a reader points at. */
   constructor(host: HTMLElement, options: ChartOptions, jump?: (row: number) => void) {
-    const { areas = [], curves, dots = [], marks = [] } = options;
+    const { series, marks = [], limit, isLogarithmic } = options;
     this.marks = marks;
-    this.limit = options.limit?.value;
+    this.limit = limit?.value;
     this.names = options.names ?? [];
     const area = element('div', 'plot');
     area.setAttribute('role', 'img');
     area.setAttribute('aria-label', described(options));
-    const keys = [
-      ...curves.map((curve) => key(curve, curve.isDashed === true ? 'dashed' : 'line')),
-      ...areas.map((of) => key(of, 'area')),
-      ...dots.map((of) => key(of, 'dot')),
-      ...(options.limit === undefined ? [] : [key({ name: options.limit.name, color: 'mark' }, 'dashed')]),
-    ].flat();
+    const ofLimit = limit === undefined ? [] : key({ kind: 'dashed', name: limit.name, color: 'mark', values: [] });
+    const keys = [...series.flatMap(key), ...ofLimit];
     const caption = element('p', 'soft keys', element('span', 'unit', options.unit), ...keys);
     host.append(element('div', 'chart', element('h3', '', options.title), caption, area));
-    const rows = curves[0].values.map((_, row) => row);
-    const series = [
-      ...areas.flatMap(({ low, high }) => [high, low]),
-      ...[...curves, ...dots].map(({ values }) => values),
-    ].map((values) => (options.isLogarithmic === true ? positive(values) : [...values]));
-    this.plot = new uPlot(this.settings(options, area.clientWidth), [rows, ...series], area);
+    const rows = series[0].values.map((_, row) => row);
+    const lists = series.flatMap(({ values, low }) => (low === undefined ? [values] : [values, low]));
+    const drawn = lists.map((values) => (isLogarithmic === true ? positive(values) : [...values]));
+    this.plot = new uPlot(this.settings(options, area.clientWidth), [rows, ...drawn], area);
     new ResizeObserver(() => this.plot.setSize({ width: area.clientWidth, height })).observe(area);
     onThemeChange(() => this.plot.redraw());
     if (jump !== undefined) this.followPointer(jump);
@@ -113,10 +94,28 @@ export class Chart {
   }
 
   private settings(options: ChartOptions, width: number): uPlot.Options {
-    const { areas = [], curves, dots = [], isLogarithmic = false } = options;
+    const { isLogarithmic = false } = options;
+    const series: uPlot.Series[] = [{}];
+    const bands: uPlot.Band[] = [];
+    for (const { kind, color, values, size } of options.series) {
+      const stroke = (): string => token(color);
+      const isDot = kind === 'dot';
+      if (kind === 'area') {
+        bands.push({ series: [series.length, series.length + 1], fill: () => `${token(color)}${opacity}` });
+        series.push({ width: 0, points: { show: false } }, { width: 0, points: { show: false } });
+      } else {
+        series.push({
+          stroke,
+          paths: isDot ? () => null : undefined,
+          spanGaps: kind === 'spanned',
+          width: 1.8,
+          dash: kind === 'dashed' ? [5, 4] : undefined,
+          points: { show: isDot || values.length === 1, size: size ?? 6, fill: isDot ? stroke : undefined },
+        });
+      }
+    }
     const font = `14px ${getComputedStyle(document.body).fontFamily}`;
     const axis = { font, stroke: () => token('soft'), grid: { stroke: () => token('grid'), width: 1 } };
-    const edge = { width: 0, points: { show: false } };
     return {
       width,
       height,
@@ -124,33 +123,20 @@ export class Chart {
       cursor: { sync: { key: 'rows' }, drag: { x: false, y: false }, points: { show: false } },
       scales: {
         x: { time: false },
-        y: isLogarithmic ? { distr: 3, range: roundRange } : { range: this.rangeWithLimit },
+        y: isLogarithmic ? { distr: 3, range: logarithmicRange } : { range: this.rangeWithLimit },
       },
       axes: [
         { ...axis, ticks: { show: false }, size: 30, incrs: frameSteps },
-        { ...axis, ticks: { show: false }, size: 64, ...labels(isLogarithmic) },
+        {
+          ...axis,
+          ticks: { show: false },
+          size: 64,
+          values: (_, all) => all.map((v) => (v === null ? '' : shown(v, 4))),
+          ...(isLogarithmic ? { splits: powers, filter: (_, splits) => splits } : {}),
+        },
       ],
-      series: [
-        {},
-        ...areas.flatMap(() => [edge, edge]),
-        ...curves.map(({ color, isDashed, gaps }) => ({
-          stroke: () => token(color),
-          paths: gaps === 'dots' ? () => null : undefined,
-          spanGaps: gaps === 'spanned',
-          width: 1.8,
-          dash: isDashed === true ? [5, 4] : undefined,
-          points: { show: gaps === 'dots' || curves[0].values.length === 1, size: 6 },
-        })),
-        ...dots.map(({ color, size }) => ({
-          stroke: () => token(color),
-          paths: () => null,
-          points: { show: true, size, width: 0, fill: () => token(color) },
-        })),
-      ],
-      bands: areas.map(({ color }, i) => ({
-        series: [2 * i + 1, 2 * i + 2],
-        fill: () => `${token(color)}${opacity}`,
-      })),
+      series,
+      bands,
       hooks: { draw: [(plot) => this.drawLines(plot)] },
     };
   }
@@ -176,7 +162,6 @@ export class Chart {
     };
     for (const mark of this.marks) draw(mark, 'mark');
     if (this.row !== undefined) draw(this.row, 'ink');
-    this.drawName(plot);
     if (this.limit !== undefined) {
       const y = plot.valToPos(this.limit, 'y', true);
       ctx.strokeStyle = token('mark');
@@ -188,30 +173,12 @@ export class Chart {
     }
     ctx.restore();
   }
-
-  /** Beside the line of the row that is shown, where there is more room. */
-  private drawName(plot: uPlot): void {
-    const name = this.row === undefined ? undefined : this.names[this.row];
-    if (name === undefined) return;
-    const { ctx, bbox } = plot;
-    const x = plot.valToPos(this.row!, 'x', true);
-    const isLeft = x > bbox.left + bbox.width / 2;
-    ctx.font = `${14 * devicePixelRatio}px ${getComputedStyle(document.body).fontFamily}`;
-    ctx.textAlign = isLeft ? 'right' : 'left';
-    ctx.textBaseline = 'top';
-    ctx.lineWidth = 4 * devicePixelRatio;
-    ctx.strokeStyle = token('card');
-    ctx.fillStyle = token('ink');
-    const at = [x + (isLeft ? -6 : 6) * devicePixelRatio, bbox.top + 2 * devicePixelRatio] as const;
-    ctx.strokeText(name, ...at);
-    ctx.fillText(name, ...at);
-  }
 }
 
-function key({ name, numbers, color }: Drawn, symbol: string): HTMLElement[] {
+function key({ kind, name, numbers, color }: Series): HTMLElement[] {
   if (name === undefined) return [];
   const after = numbers === undefined ? [] : [element('span', 'numbers', `: ${numbers}`)];
-  const drawn = element('i', symbol);
+  const drawn = element('i', kind);
   drawn.style.color = `var(--${color})`;
   return [element('span', 'key', drawn, name, ...after)];
 }
@@ -224,33 +191,24 @@ const fromZero = (low: number | null, high: number | null): [number, number] => 
   return [low - gap, top + gap];
 };
 
-/** Logarithmic axes go from a round number to a round number. */
-const roundRange = (_: uPlot, low: number | null, high: number | null): [number, number] => {
-  const [bottom, top] = [roundBelow(low ?? 1), roundAbove(high ?? 10)];
-  return bottom < top ? [bottom, top] : [bottom, 10 * bottom];
-};
+/** Logarithmic axes end at round numbers. */
+const logarithmicRange = (_: uPlot, low: number | null, high: number | null): [number, number] =>
+  uPlot.rangeLog(low ?? 1, high ?? 10, 10, false) as [number, number];
 
 /** What a logarithmic axis labels: powers of ten; where they are few, 2 and 5 times them too. */
 const powers = (_: uPlot, __: number, low: number, high: number): number[] => {
+  const first = Math.floor(Math.log10(low));
   const factors = high / low < 200 ? [1, 2, 5] : [1];
-  const splits = [];
-  for (let exponent = Math.floor(Math.log10(low)); 10 ** exponent <= high; ++exponent) {
-    splits.push(...factors.map((factor) => Number(`${factor}e${exponent}`)));
-  }
+  const exponents = Array.from({ length: Math.ceil(Math.log10(high)) - first + 1 }, (_, i) => first + i);
+  const splits = exponents.flatMap((exponent) => factors.map((factor) => Number(`${factor}e${exponent}`)));
   return splits.filter((split) => split >= low * 0.999 && split <= high * 1.001);
 };
-
-/** How an axis is labelled. */
-const labels = (isLogarithmic: boolean): Partial<uPlot.Axis> => ({
-  values: (_, values) => values.map((v) => (v === null ? '' : shown(v, 4))),
-  ...(isLogarithmic ? { splits: powers, filter: (_, splits) => splits } : {}),
-});
 
 /** Logarithms need positive numbers: others are gaps. */
 const positive = (values: Values): (number | null)[] => values.map((v) => (v !== null && v <= 0 ? null : v));
 
-function described({ title, unit, curves, dots = [], limit }: ChartOptions): string {
-  const parts = [...curves, ...dots].flatMap(({ name, values }) => {
+function described({ title, unit, series, limit }: ChartOptions): string {
+  const parts = series.flatMap(({ name, values }) => {
     if (name === undefined) return [];
     const numbers = values.filter((v) => v !== null);
     if (numbers.length === 0) return [`${name}: nothing`];

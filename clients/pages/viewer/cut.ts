@@ -40,13 +40,16 @@ export function planeThrough(point: Vector3, along: Vector3, turn: number, world
  * The outlines of a cut. A vertex in the plane counts as above it, so every triangle that is cut has two edges that
  * are, and outlines of closed meshes are closed: they end with the point that they start with.
  */
-export function outlinesOf({ points, corners }: Mesh, { normal, offset }: Plane): Vector3[][] {
+export function outlinesOf(
+  { points, corners }: Mesh,
+  { normal, offset }: Pick<Plane, 'normal' | 'offset'>,
+): Vector3[][] {
   const count = points.length / 3;
   const heights = new Float64Array(count);
   for (let v = 0; v < count; ++v) {
     heights[v] = normal.x * points[3 * v] + normal.y * points[3 * v + 1] + normal.z * points[3 * v + 2] - offset;
   }
-  const pieces = new Pieces();
+  const pieces: [number, number][] = [];
   for (let t = 0; t < corners.length; t += 3) {
     const [a, b, c] = [corners[t], corners[t + 1], corners[t + 2]];
     const [aboveA, aboveB, aboveC] = [heights[a] >= 0, heights[b] >= 0, heights[c] >= 0];
@@ -54,56 +57,39 @@ export function outlinesOf({ points, corners }: Mesh, { normal, offset }: Plane)
     const alone = aboveA === aboveB ? c : aboveB === aboveC ? a : b;
     const [one, other] = alone === a ? [b, c] : alone === b ? [c, a] : [a, b];
     const key = (v: number): number => Math.min(alone, v) * count + Math.max(alone, v);
-    pieces.add(key(one), key(other));
+    pieces.push([key(one), key(other)]);
   }
   const pointOn = (edge: number): Vector3 => {
     const [v, w] = [Math.floor(edge / count), edge % count];
     const [from, to] = [v, w].map((vertex) => new Vector3().fromArray(points, 3 * vertex));
     return from.lerp(to, heights[v] / (heights[v] - heights[w]));
   };
-  return pieces.chains().map((chain) => chain.map(pointOn));
+  return chainsOf(pieces).map((chain) => chain.map(pointOn));
 }
 
 export const isClosed = (line: readonly Vector3[]): boolean => line.length > 2 && line[0].equals(line[line.length - 1]);
 
-/** Pieces of lines, each between two edges of the mesh, joined to chains of edges. */
-class Pieces {
-  private readonly ends: number[] = []; // of piece i: edges 2 i and 2 i + 1
-  private readonly piecesAt = new Map<number, number[]>();
-
-  add(one: number, other: number): void {
-    const piece = this.ends.length / 2;
-    for (const edge of [one, other]) {
-      const there = this.piecesAt.get(edge);
-      if (there === undefined) this.piecesAt.set(edge, [piece]);
-      else there.push(piece);
+/** Pieces of lines, each between two edges of the mesh, joined to chains of edges; each piece is in one of them. */
+function chainsOf(pieces: readonly (readonly [number, number])[]): number[][] {
+  const piecesAt = new Map<number, number[]>();
+  pieces.forEach((ends, piece) => {
+    for (const edge of ends) piecesAt.set(edge, [...(piecesAt.get(edge) ?? []), piece]);
+  });
+  const used = new Uint8Array(pieces.length);
+  const follow = (start: number): number[] => {
+    const chain = [];
+    for (let edge = start; ;) {
+      const next = piecesAt.get(edge)!.find((piece) => used[piece] === 0);
+      if (next === undefined) return chain;
+      used[next] = 1;
+      edge = pieces[next][0] === edge ? pieces[next][1] : pieces[next][0];
+      chain.push(edge);
     }
-    this.ends.push(one, other);
-  }
-
-  /** Each piece is in one chain. A closed chain ends with the edge that it starts with. */
-  chains(): number[][] {
-    const count = this.ends.length / 2;
-    const used = new Uint8Array(count);
-    const follow = (start: number): number[] => {
-      const chain = [];
-      let edge = start;
-      for (;;) {
-        const next = this.piecesAt.get(edge)?.find((piece) => used[piece] === 0);
-        if (next === undefined) return chain;
-        used[next] = 1;
-        edge = this.ends[2 * next] === edge ? this.ends[2 * next + 1] : this.ends[2 * next];
-        chain.push(edge);
-      }
-    };
-    const chains = [];
-    for (let piece = 0; piece < count; ++piece) {
-      if (used[piece] !== 0) continue;
-      const start = this.ends[2 * piece];
-      const forward = follow(start);
-      const isClosed = forward[forward.length - 1] === start;
-      chains.push(isClosed ? [start, ...forward] : [...follow(start).reverse(), start, ...forward]);
-    }
-    return chains;
-  }
+  };
+  return pieces.flatMap(([start], piece) => {
+    if (used[piece] !== 0) return [];
+    const forward = follow(start);
+    const isClosedChain = forward[forward.length - 1] === start;
+    return [[...(isClosedChain ? [] : follow(start).reverse()), start, ...forward]];
+  });
 }

@@ -4,10 +4,8 @@
 /** All pairs of parts as a matrix: what kind of clash each is, to be chosen by a click or by arrow keys. */
 
 import { byId, element } from '../shared/dom.ts';
-import { clashWords } from '../viewer/clashes.ts';
-import type { Clash } from '../viewer/clashes.ts';
-import type { StudyData } from './model.ts';
-import { partName, shownDistance } from './texts.ts';
+import type { Clash, Data } from './data.ts';
+import { clashWords, partName, shownDistance } from './texts.ts';
 
 /** What stands in a cell: readers who see no colours tell them apart, too. */
 const symbols: Record<Clash, string> = {
@@ -36,26 +34,26 @@ export class Matrix {
   private readonly places: (readonly [number, number])[] = []; // by row
   private current: HTMLButtonElement | undefined;
 
-  constructor(study: StudyData['study'], select: (row: number) => void) {
-    const { rows, parts } = study;
+  constructor(data: Data, select: (row: number) => void) {
+    const { rows, parts } = data;
     const count = parts.name.length;
     const table = byId('matrix');
     const size = Math.max(narrowestCell, Math.min(widestCell, Math.floor(usualWidth / count) - 1));
     table.style.setProperty('--cell', `${size}px`);
     table.style.setProperty('--count', String(count));
     const lines = parts.name.map((_, part) => {
-      const head = element('th', '', partName(study, part));
+      const head = element('th', '', partName(data, part));
       head.scope = 'row';
-      head.title = partName(study, part);
+      head.title = partName(data, part);
       return element('tr', '', head, ...Array.from({ length: part }, () => element('td')));
     });
-    rows.clash.forEach((clash, row) => {
+    rows.clash!.forEach((clash, row) => {
       const [column, line] = [rows.a[row], rows.b[row]].sort((a, b) => a - b);
-      const accepted = rows.accepted[row] !== null;
+      const accepted = rows.accepted![row] !== null;
       const button = element('button', `${clash}${accepted ? ' accepted' : ''}`, symbols[clash]);
-      const names = `${partName(study, line)} and ${partName(study, column)}`;
+      const names = `${partName(data, line)} and ${partName(data, column)}`;
       const kind = `${clashWords[clash].toLowerCase()}${accepted ? ', accepted' : ''}`;
-      button.title = `${names}: ${kind}, ${shownDistance(study, row)}`;
+      button.title = `${names}: ${kind}, ${shownDistance(data, row)}`;
       button.setAttribute('aria-label', button.title);
       button.tabIndex = -1;
       button.dataset.row = String(row);
@@ -66,7 +64,7 @@ export class Matrix {
     table.replaceChildren(...lines.map((line, part) => withEnd(line, part)));
     byId('matrix-key').replaceChildren(
       ...(Object.keys(symbols) as Clash[])
-        .filter((clash) => rows.clash.includes(clash))
+        .filter((clash) => rows.clash!.includes(clash))
         .map((clash) => element('span', 'key', element('span', `cell ${clash}`, symbols[clash]), clashWords[clash])),
     );
     table.addEventListener('click', ({ target }) => {
