@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/decimal.h"
 
-// WebAssembly brings a std::from_chars of its own: clients/javascript/src/missing_from_libcxx.h.
-#if defined(_LIBCPP_VERSION) && (_LIBCPP_VERSION < 200000 || defined(__APPLE__)) && !defined(__EMSCRIPTEN__)
+#if defined(_LIBCPP_VERSION) && (_LIBCPP_VERSION < 200000 || defined(__APPLE__))
 #include <algorithm>
 #include <clocale>
 #include <cmath>
