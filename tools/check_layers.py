@@ -56,7 +56,6 @@ THIRD_PARTY = {
     "boost": ("src/geometry/exact_sign.cpp", "src/geometry/integers.h", "tests/", "fuzz/", "bench/"),
     "CGAL": ("tests/", "bench/"),
     "Eigen": ("include/limber/eigen.h",),
-    "fast_float": ("clients/javascript/src/missing_from_libcxx.cpp",),
     "fcntl.h": ("src/io/file_bytes.cpp", "clients/", "tests/"),
     "gmpxx.h": ("tests/",),
     "hwy": ("src/simd/", "src/kernels/"),
