@@ -19,8 +19,8 @@ async function photograph(page, name, options) {
 const turn = 2 * Math.PI;
 const count = 360;
 
-/** A ring between two closed curves, each given by its radius at an angle, from one height to another, as OBJ. */
-function ringObj(outer, inner, low, high) {
+/** A ring between two closed curves, each given by its radius at an angle, from one height to another, as OFF. */
+function ringOff(outer, inner, low, high) {
   const points = [
     [outer, low],
     [outer, high],
@@ -29,15 +29,15 @@ function ringObj(outer, inner, low, high) {
   ].flatMap(([radius, z]) =>
     Array.from({ length: count }, (_, i) => {
       const angle = (turn * i) / count;
-      return `v ${radius(angle) * Math.cos(angle)} ${radius(angle) * Math.sin(angle)} ${z}\n`;
+      return `${radius(angle) * Math.cos(angle)} ${radius(angle) * Math.sin(angle)} ${z}\n`;
     }),
   );
   const faces = points.map((_, i) => {
     const next = i - (i % count) + ((i + 1) % count);
-    const across = (v) => ((v + count) % points.length) + 1;
-    return `f ${i + 1} ${next + 1} ${across(next)} ${across(i)}\n`;
+    const across = (v) => (v + count) % points.length;
+    return `4 ${i} ${next} ${across(next)} ${across(i)}\n`;
   });
-  return [...points, ...faces].join('');
+  return [`OFF\n${points.length} ${faces.length} 0\n`, ...points, ...faces].join('');
 }
 
 /** Teeth whose flanks take a tenth of the pitch. */
@@ -50,12 +50,12 @@ function tooth(angle) {
 const session = new Session();
 const square = (angle) => Math.min(47, 43 / Math.max(Math.abs(Math.cos(angle)), Math.abs(Math.sin(angle))));
 const gear = session.store(
-  'gear.obj',
-  ringObj(tooth, () => 8, -6, 6),
+  'gear.off',
+  ringOff(tooth, () => 8, -6, 6),
 );
 const housing = session.store(
-  'housing.obj',
-  ringObj(square, () => 33.1, -8, 10),
+  'housing.off',
+  ringOff(square, () => 33.1, -8, 10),
 );
 const besides = ['--pose-b', '0.6,0.25,0,1,0,0,0', '--min-clearance', '0.5'];
 session.make('clearance', 'distance', gear, housing, ...besides);

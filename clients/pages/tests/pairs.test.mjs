@@ -63,6 +63,11 @@ const section = async (page) => {
     length: [...marks.querySelectorAll('.outline')].reduce((sum, outline) => sum + outline.getTotalLength(), 0),
   }));
 };
+/** Whether two sections are drawn alike: rounding may turn a tenth of a pixel. */
+const isSame = (one, other) => {
+  const [numbers, others] = [one, other].map((text) => text.match(/-?\d+(\.\d+)?/g).map(Number));
+  return numbers.length === others.length && numbers.every((number, i) => Math.abs(number - others[i]) < 0.15);
+};
 const listed = async (page) => (await rowsOf(page, '#rows')).map(([row]) => Number(row));
 
 for (const name of [...pairs, ...studies]) {
@@ -359,7 +364,7 @@ test('the section can be shifted, turned, moved and zoomed', () =>
     assert.match(await caption(), /turned by 20\u00b0/);
     assert.ok((await section(page)).text !== start);
     await page.click('#section-reset');
-    assert.ok((await section(page)).text === start);
+    assert.ok(isSame((await section(page)).text, start));
     await page.focus('#section');
     const { x, y, width, height } = await page.locator('#section').boundingBox();
     await page.mouse.move(x + width / 3, y + height / 3);
@@ -371,9 +376,9 @@ test('the section can be shifted, turned, moved and zoomed', () =>
     const [press, turnWheel] = [(key) => page.keyboard.press(key), () => page.mouse.wheel(0, -300)];
     for (const action of [() => press('ArrowLeft'), () => press('ArrowUp'), () => press('+'), turnWheel, drag]) {
       await action();
-      assert.ok((await section(page)).text !== start, `${action}`);
+      assert.ok(!isSame((await section(page)).text, start), `${action}`);
       await press('0');
-      assert.ok((await section(page)).text === start);
+      assert.ok(isSame((await section(page)).text, start));
     }
   }));
 
