@@ -118,7 +118,7 @@ ObjectImpactResult ImpactSearch::run() {
 void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions& options) {
   scene::require_committed(scene, "limber::Scene::time_of_impact");
   require_ready(Placed(body), time_of_impact_name, "the model");
-  motion::check_options(options.path, time_of_impact_name);
+  motion::check_path_options(options.path, time_of_impact_name);
   LIMBER_REQUIRE(options.path.cache == nullptr, "limber::Scene::time_of_impact: path takes no cache");
 }
 

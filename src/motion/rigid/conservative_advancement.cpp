@@ -168,7 +168,7 @@ PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& option
 template <auto question>
 auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
          const PathOptions& options, const char* function, FindMotions motions) {
-  check_options(options, function);
+  check_path_options(options, function);
   check_speed(path_a.speed, function), check_speed(path_b.speed, function);
   require(std::isfinite(speed), function, "the sum of both speeds must be finite");
   MovingDistance moving(a, path_a, b, path_b, speed, options, motions);
@@ -187,7 +187,7 @@ auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidM
 
 }  // namespace
 
-void check_options(const PathOptions& options, const char* function) {
+void check_path_options(const PathOptions& options, const char* function) {
   require(options.max_time >= 0 && options.max_time <= 1, function, "max_time is not in [0, 1]");
   require(base::is_finite_and_not_negative(options.min_separation), function,
           "min_separation must be finite and at least 0");
