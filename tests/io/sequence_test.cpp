@@ -215,7 +215,7 @@ TEST_P(RealFiles, have_their_known_number_of_triangles) {
 
 INSTANTIATE_TEST_SUITE_P(All, RealFiles,
                          ::testing::Values(Known{"stanford-bunny.obj", 69451}, Known{"armadillo.obj", 86482},
-                                           Known{"fandisk.obj", 12946}, Known{"spot.obj", 5856}, Known{"cow.obj", 5804},
+                                           Known{"fandisk.obj", 12946}, Known{"spot.ply", 5856}, Known{"cow.obj", 5804},
                                            Known{"teapot.obj", 6320}, Known{"beetle.obj", 2053},
                                            Known{"cloth_ball_92.ply", 92230}, Known{"cloth_ball_93.ply", 92230}),
                          [](const auto& test) {
