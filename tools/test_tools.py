@@ -61,7 +61,7 @@ class Layers(Repository):
             ("src/io/a.cpp", "<nlohmann/json.hpp>"),
             ("src/io/file_bytes.cpp", "<fcntl.h>"),
             ("src/geometry/exact_sign.cpp", "<boost/multiprecision/cpp_int.hpp>"),
-            ("src/motion/polynomial.h", "<boost/multiprecision/cpp_int.hpp>"),
+            ("src/geometry/integers.h", "<boost/multiprecision/cpp_int.hpp>"),
             ("include/limber/mesh.h", "limber/base.h"),
             ("include/limber/mesh.h", "<vector>"),
             ("include/limber/eigen.h", "<Eigen/Core>"),

@@ -71,6 +71,11 @@ struct Witness {
 struct QueryStats {
   std::uint64_t node_tests = 0;       ///< bounding volumes compared
   std::uint64_t primitive_tests = 0;  ///< pairs of triangles compared; of elements where the query is about these
+
+  QueryStats& operator+=(const QueryStats& other) {
+    node_tests += other.node_tests, primitive_tests += other.primitive_tests;
+    return *this;
+  }
 };
 
 /// What a query of two models has found, for the next query of the same two to start from: the two triangles of its

@@ -45,7 +45,7 @@ constexpr std::size_t nodes_per_task = 16;
 // radius. At 64 radii, stored centers, of 24 bits, have lost 6 of them.
 constexpr double tolerated_origin_distance = 64;
 
-/// The sphere, box and slab of one slot (ChildBounds in bvh/node.h says more), in float64, in units, relative to the
+/// The sphere, box and slab of one slot (ChildBounds in layout/node.h says more), in float64, in units, relative to the
 /// origin of some node.
 struct Volume {
   Vec3 center, half;
