@@ -180,7 +180,7 @@ TEST(RealFiles, HaveTheirKnownNumberOfTriangles) {
   };
   for (const auto& [name, triangle_count] :
        {Known{"stanford-bunny.obj", 69451}, Known{"armadillo.obj", 86482}, Known{"fandisk.obj", 12946},
-        Known{"spot.obj", 5856}, Known{"cow.obj", 5804}, Known{"teapot.obj", 6320}, Known{"beetle.obj", 2053},
+        Known{"spot.ply", 5856}, Known{"cow.obj", 5804}, Known{"teapot.obj", 6320}, Known{"beetle.obj", 2053},
         Known{"cloth_ball_92.ply", 92230}, Known{"cloth_ball_93.ply", 92230}}) {
     if (!fs::exists(real_mesh(name))) continue;  // no data
     const MeshFile file = read_mesh_file(real_mesh(name)).value();
