@@ -6,7 +6,7 @@
 import { invalid } from "./errors.js";
 import { answers, distanceStatuses, elementPairKinds, featureKinds, impactStatuses, noId } from "./types.js";
 import { normalSides, stoppedBys } from "./types.js";
-import { columns, number, row } from "./wasm.js";
+import { addColumns, number, row } from "./wasm.js";
 /** @import * as types from "./types.js" */
 
 /**
@@ -28,7 +28,7 @@ export class Many {
   constructor(table, count, at) {
     /** How many there are. */
     this.count = count;
-    Object.assign(this, columns(table, count));
+    addColumns(this, table, count);
     this.#at = at;
   }
 

@@ -149,30 +149,29 @@ export const givenBytes = () => uint8.slice(number(0), number(0) + number(1)).bu
 const givenText = () => new TextDecoder().decode(givenBytes());
 
 /**
- * The arrays of a table, which names them.
+ * Adds the arrays of a table to an object, under their names.
  *
+ * @param {any} object
  * @param {string} table
  * @param {number} count of answers
  * @param {ArrayBuffer} buffer
  * @param {number} begin
  */
-function arraysIn(table, count, buffer, begin) {
-  /** @type {any} */
-  const arrays = {};
+function addArrays(object, table, count, buffer, begin) {
   let at = begin;
   for (const [name, kind, numbersPerAnswer] of tables[table]) {
     const array = new kinds[kind](buffer, at, numbersPerAnswer * count);
-    arrays[name] = array;
+    object[name] = array;
     at += 8 * Math.ceil(array.byteLength / 8);
   }
-  return arrays;
+  return object;
 }
 
 /** The last answer, as arrays in the module's memory that the next call changes. @param {string} table */
-export const row = (table) => (rows[table] ??= arraysIn(table, 1, float64.buffer, exchange + answerOffset));
+export const row = (table) => (rows[table] ??= addArrays({}, table, 1, float64.buffer, exchange + answerOffset));
 
-/** A copy of the last answers. @param {string} table @param {number} count */
-export const columns = (table, count) => arraysIn(table, count, givenBytes(), 0);
+/** Adds a copy of the last answers to an object. @param {object} object @param {string} table @param {number} count */
+export const addColumns = (object, table, count) => addArrays(object, table, count, givenBytes(), 0);
 
 // --- writing ---
 
