@@ -283,8 +283,7 @@ IntersectingTriangles intersecting_triangles_of(const Placed& a, const Placed& b
 
 Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
                      const DistanceAnswer& answer) {
-  // Only the fast engine has point queries and contacts.
-  const Placed a{pair.a().model.in_fast_engine(), pair.a().pose}, b{pair.b().model.in_fast_engine(), pair.b().pose};
+  const Placed a = pair.a(), b = pair.b();
   Intersections found;
   if (answer.result.status == DistanceStatus::collision) found = intersections_of(a, b);
   const double shortest_edge =

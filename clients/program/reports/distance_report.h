@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "answers/answers.h"
+#include "answers/models.h"
 #include "reports/page_template.h"
-#include "verbs/answers.h"
-#include "verbs/models.h"
 
 /// The page of `limber distance --report`.
 namespace limber::program {

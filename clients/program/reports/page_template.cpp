@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "answers/models.h"
 #include "command/text.h"
 #include "reports/sha256.h"
-#include "verbs/models.h"
 
 namespace limber::program {
 namespace {

@@ -85,8 +85,8 @@ void Study::keep_worst() {
 
 Json Study::intersecting_triangles(const PartPair& pair) {
   const auto& [a, b] = pair;
-  const IntersectingTriangles found = intersecting_triangles_of({parts_[a].model->in_fast_engine(), parts_[a].pose},
-                                                                {parts_[b].model->in_fast_engine(), parts_[b].pose});
+  const IntersectingTriangles found =
+      intersecting_triangles_of({parts_[a].model->model(), parts_[a].pose}, {parts_[b].model->model(), parts_[b].pose});
   std::array<std::string, 2> texts = {increasing_ids(found.a), increasing_ids(found.b)};
   const std::size_t byte_count = texts[0].size() + texts[1].size();
   if (byte_count > most_triangle_bytes_of_row || triangle_bytes_ + byte_count > most_triangle_bytes) return nullptr;

@@ -9,7 +9,6 @@
 #include "limber/model.h"
 #include "page_decoding.h"
 #include "run_program.h"
-#include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {

@@ -8,9 +8,8 @@
 
 #include "limber/points.h"
 #include "page_decoding.h"
-#include "run_program.h"
 #include "reports/sha256.h"
-#include "scenes/scenes.h"
+#include "run_program.h"
 
 /// Pages of many pairs: `limber distance --pairs --report` and `limber distance --parts --report`.
 namespace limber::program_tests {
@@ -102,35 +101,32 @@ TEST(ProgramStudy, HasEachModelOnceAndWhereItStands) {
 
 TEST(ProgramStudy, TellsHowDeepHardClashesAreAndWhichTrianglesMeet) {
   const Pairs pairs;
-  for (const std::string engine : {"fast", "classic", "reference"}) {
-    SCOPED_TRACE(engine);
-    const nlohmann::json rows = Report("distance --pairs " + pairs.file + " --engine " + engine).data["study"]["rows"];
-    const std::vector<nlohmann::json> clashes = rows["clash"];
-    EXPECT_EQ(clashes,
-              (std::vector<nlohmann::json>{"clear", "hard_clash", "hard_clash", "touching", "clear", "surfaces_meet"}));
-    EXPECT_EQ(rows["depth"][1], 0.5);
-    EXPECT_NEAR(rows["depth"][2].get<double>(), 2, 1e-9);  // the small cube leaves by its nearest side, whole
-    for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["depth"][r].is_null());
-    for (const std::size_t r : {0U, 2U, 4U}) EXPECT_TRUE(rows["intersecting"][r].is_null());
-    const Mesh large = cube(4), small = cube(1);
-    const auto is_met = [&](std::size_t t) {
-      for (TriangleId u = 0; u < small.triangles().size(); ++u) {
-        const Triangle other = small.triangle(u);
-        const Vec3 by{3.5, 1, 1};
-        if (intersects(large.triangle(static_cast<TriangleId>(t)), {other.v0 + by, other.v1 + by, other.v2 + by})) {
-          return true;
-        }
+  const nlohmann::json rows = Report("distance --pairs " + pairs.file).data["study"]["rows"];
+  const std::vector<nlohmann::json> clashes = rows["clash"];
+  EXPECT_EQ(clashes,
+            (std::vector<nlohmann::json>{"clear", "hard_clash", "hard_clash", "touching", "clear", "surfaces_meet"}));
+  EXPECT_EQ(rows["depth"][1], 0.5);
+  EXPECT_NEAR(rows["depth"][2].get<double>(), 2, 1e-9);  // the small cube leaves by its nearest side, whole
+  for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["depth"][r].is_null());
+  for (const std::size_t r : {0U, 2U, 4U}) EXPECT_TRUE(rows["intersecting"][r].is_null());
+  const Mesh large = cube(4), small = cube(1);
+  const auto is_met = [&](std::size_t t) {
+    for (TriangleId u = 0; u < small.triangles().size(); ++u) {
+      const Triangle other = small.triangle(u);
+      const Vec3 by{3.5, 1, 1};
+      if (intersects(large.triangle(static_cast<TriangleId>(t)), {other.v0 + by, other.v1 + by, other.v2 + by})) {
+        return true;
       }
-      return false;
-    };
-    std::vector<std::uint64_t> ids = counts_of(rows["intersecting"][1][0]), expected;
-    for (std::size_t i = 1; i < ids.size(); ++i) ids[i] += ids[i - 1];
-    for (std::size_t t = 0; t < large.triangles().size(); ++t) {
-      if (is_met(t)) expected.push_back(t);
     }
-    EXPECT_EQ(ids, expected);
-    EXPECT_FALSE(ids.empty());
+    return false;
+  };
+  std::vector<std::uint64_t> ids = counts_of(rows["intersecting"][1][0]), expected;
+  for (std::size_t i = 1; i < ids.size(); ++i) ids[i] += ids[i - 1];
+  for (std::size_t t = 0; t < large.triangles().size(); ++t) {
+    if (is_met(t)) expected.push_back(t);
   }
+  EXPECT_EQ(ids, expected);
+  EXPECT_FALSE(ids.empty());
 }
 
 TEST(ProgramStudy, OfPartsAsksAboutAllPairs) {

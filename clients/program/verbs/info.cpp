@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "answers/models.h"
 #include "command/options.h"
 #include "command/output.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/model.h"
-#include "verbs/models.h"
 
 namespace limber::program {
 namespace {
