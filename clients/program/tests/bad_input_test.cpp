@@ -210,7 +210,6 @@ TEST(ProgramBadInput, FilesOfPoses) {
                         {header + "\n0,0,3,1,0,0\n", "line 2: has 6 fields, but the header has 7"},
                         {"0,0,3,1,0,0,\"0\n", "line 1: a quote is not closed"},
                         {"0,0,3,1,0,0,\"0\"1\n", "line 1: no comma follows a field in quotes"},
-                        {"0 0 3 1 0 0 0\n0 0 4 1 0 0 0\n", "line 1: a pose is 7 numbers"},
                         {"\n0,0,3,1,0,0,0" + std::string(20000, ' ') + "\n", "line 2: is longer than"},
                         {"0,0,3,1,0,0,\x1b[31m\n", "line 1: qz: '?[31m' is not a number"}});
 }
@@ -225,12 +224,9 @@ TEST(ProgramBadInput, FilesOfPairs) {
       {{"", "is empty"},
        {header, "has no pair"},
        {"scene:ball,scene:ball\n", "line 1: there is no column model_a; the first row names the columns"},
-       {"a.obj;b.obj\nc.obj;d.obj\n", "line 1: fields are separated by commas"},
        {"model_a,modelb\n", "line 1: no column is called 'modelb'; did you mean model_b?"},
        {"model_a,model_b,pose_b_t\n", "line 1: no column is called 'pose_b_t'; did you mean pose_b_tx?"},
-       {"model_a,model_b,model_a\n", "line 1: column model_a comes twice"},
        {"model_a\n", "line 1: there is no column model_b"},
-       {two + "scene:ball,scene:ball\n", "line 3: has 2 fields, but the header has 7"},
        {two + ",scene:ball,1,1,0,0,0\n", "line 3: column model_a: is empty"},
        {two + "scene:ball,scene:cube,1,1,0,0,0\n", "line 3: column model_b: scene:cube: no scene"},
        {two + "scene:ball,no.obj,1,1,0,0,0\n", "line 3: column model_b: no.obj: "},
@@ -246,7 +242,6 @@ TEST(ProgramBadInput, FilesOfPairs) {
 TEST(ProgramBadInput, FilesOfPoints) {
   expect_files_refused("points scene:ball ", "points.csv",
                        {{"", "has no point"},
-                        {"x,y,z\n", "has no point"},
                         {"x,y\n1,2\n", "line 1: there is no column z"},
                         {"0,0,0\n1,2\n", "line 2: a point is 3 numbers x,y,z, not 2"},
                         {"x,y,z\n0,0,0\n1,2,a\n", "line 3: column z: 'a' is not a number"},
