@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/uninitialized.h"
-#include "bvh/moving_node.h"
 #include "bvh/tree.h"
+#include "layout/moving_node.h"
 
 namespace limber::bvh {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/uninitialized.h"
-#include "bvh/node.h"
 #include "bvh/unit.h"
+#include "layout/node.h"
 #include "limber/base.h"
 #include "limber/mesh.h"
 

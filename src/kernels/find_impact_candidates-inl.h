@@ -16,9 +16,9 @@
 
 #include "base/error_bounds.h"
 #include "base/rounding.h"
-#include "bvh/moving_node.h"
 #include "kernels/close_elements-inl.h"
 #include "kernels/project-inl.h"
+#include "layout/moving_node.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 

@@ -13,7 +13,7 @@
 #include <cstdint>
 
 #include "base/error_bounds.h"
-#include "bvh/moving_node.h"
+#include "layout/moving_node.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 

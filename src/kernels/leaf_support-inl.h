@@ -10,7 +10,7 @@
 #define LIMBER_SIMD_LEAF_SUPPORT_INL_H
 #endif
 
-#include "bvh/node.h"
+#include "layout/node.h"
 #include "simd/packets-inl.h"
 
 LIMBER_BEFORE_KERNELS;

@@ -12,7 +12,7 @@
 
 #include <bit>
 
-#include "bvh/boxes.h"
+#include "layout/boxes.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 

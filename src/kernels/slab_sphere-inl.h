@@ -10,8 +10,8 @@
 #define LIMBER_SIMD_SLAB_SPHERE_INL_H
 #endif
 
-#include "bvh/node.h"
 #include "kernels/project-inl.h"
+#include "layout/node.h"
 #include "simd/packets-inl.h"
 
 LIMBER_BEFORE_KERNELS;

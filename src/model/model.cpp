@@ -233,14 +233,4 @@ Result<void> Model::validate() const {
   return bvh::validate(impl.tree, fitted);
 }
 
-void throw_not_ready(const Placed& placed, const char* place, const char* name) {
-  const auto text = [&](const char* what) { return std::string(place) + ": " + name + what; };
-  LIMBER_REQUIRE(placed.model().is_committed(),
-                 text(" is not committed: it has moves without a commit(), or has been moved from").c_str());
-  LIMBER_REQUIRE(
-      has_its_surface(placed.body()),
-      text(" was reset() after it was made a solid, so ClosedSurface::create() must check it again").c_str());
-  geometry::throw_not_rigid(placed.pose, std::string(place) + ": the pose of " + name);
-}
-
 }  // namespace limber

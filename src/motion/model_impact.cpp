@@ -82,7 +82,7 @@ ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options
   if (options.ignore_crossings) return first_touch(models, options);
   const CollideResult at_start = collide_at_start(models, options);
   ImpactResult result = at_start.is_no() ? first_touch(models, options) : crossing(at_start);
-  result.stats.node_tests += at_start.stats.node_tests, result.stats.primitive_tests += at_start.stats.primitive_tests;
+  result.stats += at_start.stats;
   return result;
 }
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <span>
 
-#include "bvh/moving_node.h"
 #include "bvh/tree.h"
+#include "layout/moving_node.h"
 #include "limber/motion.h"
 #include "motion/moving_elements.h"
 #include "motion/moving_model_impl.h"

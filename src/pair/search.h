@@ -269,7 +269,7 @@ std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& mak
     finish(collector);
   });
   for (const QueryStats& s : stats_of) {
-    stats.node_tests += s.node_tests, stats.primitive_tests += s.primitive_tests;
+    stats += s;
   }
   return found;
 }

@@ -21,7 +21,7 @@ SignedDistance signed_distance_of(const point::PlacedModel& placed, point::Close
   SignedDistance result;
   result.closest = search.find(point, max_distance, result.stats);
   const point::Surrounding surrounding = point::surrounding_of(placed, point, result.stats);
-  result.is_inside = surrounding.is_on || surrounding.winding_number != 0;
+  result.is_inside = surrounding.is_inside_or_on();
   return result;
 }
 
@@ -40,11 +40,6 @@ Placed ClosedSurface::placed(const Transform& world_from_model) const {
                  "limber::ClosedSurface: the model has been reset, so whether it is closed must be checked again");
   return {*model_, world_from_model};
 }
-
-Body::Body(const ClosedSurface& solid)
-    : model_(&Access::placed(PlacedSurface(solid)).model()),
-      surface_id_(Access::impl(*model_).surface_id),
-      is_solid_(true) {}
 
 bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
   return winding_number(point, world_from_model).value_or(1) != 0;

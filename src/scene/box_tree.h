@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "bvh/boxes.h"
+#include "layout/boxes.h"
 #include "limber/base.h"
 #include "scene/hilbert_order.h"
 #include "scene/world_bounds.h"

@@ -7,7 +7,7 @@
 #include <bit>
 #include <utility>
 
-#include "bvh/node.h"
+#include "layout/node.h"
 
 namespace limber::scene {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "bvh/node.h"
+#include "layout/node.h"
 #include "limber/math.h"
 
 /// What the kernels read and write that compare elements of leaves, and triangles of one tree with each other.

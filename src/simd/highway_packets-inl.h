@@ -14,7 +14,7 @@
 
 #include <cstdint>
 
-#include "bvh/node.h"
+#include "layout/node.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace limber::simd::HWY_NAMESPACE {

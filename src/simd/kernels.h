@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <span>
 
-#include "bvh/boxes.h"
-#include "bvh/moving_node.h"
-#include "bvh/node.h"
+#include "layout/boxes.h"
+#include "layout/moving_node.h"
+#include "layout/node.h"
 #include "limber/geometry.h"
 #include "simd/element_pairs.h"
 

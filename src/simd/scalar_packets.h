@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "bvh/node.h"
+#include "layout/node.h"
 
 namespace limber::simd::scalar {
 namespace {

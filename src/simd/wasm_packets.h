@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "bvh/node.h"
+#include "layout/node.h"
 
 #define LIMBER_WASM inline __attribute__((always_inline))
 

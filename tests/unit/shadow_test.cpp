@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Shadows of bodies that pass each other, next to distances at many times, and what they spare.
-#include "path/shadow.h"
+#include "motion/rigid/shadow.h"
 
 #include <gtest/gtest.h>
 
@@ -21,8 +21,8 @@
 namespace limber::testing {
 namespace {
 
-using path::MovingBodies;
-using path::Shadow;
+using motion::MovingBodies;
+using motion::Shadow;
 
 Mat3 about_z(double angle) {
   return {{std::cos(angle), -std::sin(angle), 0}, {std::sin(angle), std::cos(angle), 0}, {0, 0, 1}};
@@ -163,7 +163,7 @@ TEST(Shadow, SparesDistancesWhereBodiesPassClosely) {
     limber::Scene scene;
     const ObjectId standing = scene.add(b);
     scene.commit();
-    const ObjectImpactResult swept = scene.time_of_impact(a, motion, {.distance_error = 1e-9});
+    const ObjectImpactResult swept = scene.time_of_impact(a, motion, {.path = {.distance_error = 1e-9}});
     EXPECT_EQ(swept.object == standing, touches.has_value());
     EXPECT_LT(swept.result.distance_count, most_distances);
   }

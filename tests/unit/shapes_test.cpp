@@ -18,7 +18,7 @@
 #include "limber/geometry.h"
 #include "limber/motion.h"
 #include "limber/points.h"
-#include "shape/convex_hull.h"
+#include "model/convex_hull.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {

@@ -34,6 +34,9 @@ try_readme() {
 
 check_versions
 [[ -z $(git -C "$root" status --porcelain) ]] || die "a release is of what is committed"
+"$root/dev" pages
+cmp -s -- "$root"/build/pages/viewer.html "$root"/clients/program/pages/viewer.html ||
+  die "a release has the page that clients/pages gives: run ./dev pages --commit"
 rm -rf -- "$folder"
 mkdir -p -- "$folder"
 copy_sources "$folder/$name"

@@ -59,14 +59,11 @@ struct DistanceArguments {
   double relative_error, absolute_error, max_distance, deadline_ms, max_steps;
 };
 
-ClosestObjectsOptions closest_options_from(const DistanceArguments& d, bool has_filter, const ObjectPairMatrix* matrix,
-                                           SceneCache* cache) {
-  return {d.relative_error,
-          d.absolute_error,
-          d.max_distance,
+SceneDistanceOptions closest_options_from(const DistanceArguments& d, bool has_filter, const ObjectPairMatrix* matrix,
+                                          SceneCache* cache) {
+  return {{d.relative_error, d.absolute_error, d.max_distance, nullptr, budget_from(d.deadline_ms, d.max_steps)},
           filter_from(has_filter, matrix),
-          cache,
-          budget_from(d.deadline_ms, d.max_steps)};
+          cache};
 }
 
 const DistanceResult& result_of(const DistanceResult& result) { return result; }
@@ -171,7 +168,7 @@ bool scene_candidate_pairs(const Scene* scene, double margin, bool has_filter, c
   return guarded([&] {
     pairs_found.clear();
     const auto keep = [](const ObjectPair& pair) { return pairs_found.push_back(pair), true; };
-    scene->visit_candidate_pairs(margin, keep, {filter_from(has_filter, matrix)});
+    scene->visit_candidate_pairs(margin, keep, filter_from(has_filter, matrix));
     give_bytes(pairs_found.data(), pairs_found.size() * sizeof(ObjectPair));
   });
 }
@@ -182,7 +179,7 @@ LIMBER_EXPORT(sceneCollide)
 bool scene_collide(const Scene* scene, std::size_t count, double deadline_ms, double max_steps, SceneCache* cache) {
   return guarded([&] {
     std::vector<CollideResult> results(count);
-    scene->collide(object_pairs_from(count), results, {cache, budget_from(deadline_ms, max_steps)});
+    scene->collide(object_pairs_from(count), results, {.cache = cache, .budget = budget_from(deadline_ms, max_steps)});
     give_all(results);
   });
 }
@@ -192,7 +189,7 @@ bool scene_within(const Scene* scene, std::size_t count, double max_distance, do
                   SceneCache* cache) {
   return guarded([&] {
     std::vector<CollideResult> results(count);
-    const SceneQueryOptions options{cache, budget_from(deadline_ms, max_steps)};
+    const SceneQueryOptions options{.cache = cache, .budget = budget_from(deadline_ms, max_steps)};
     scene->within(object_pairs_from(count), max_distance, results, options);
     give_all(results);
   });
@@ -203,8 +200,8 @@ bool scene_distance(const Scene* scene, std::size_t count, double relative_error
                     double max_distance, double deadline_ms, double max_steps, SceneCache* cache) {
   return guarded([&] {
     std::vector<DistanceResult> results(count);
-    scene->distance(object_pairs_from(count), results,
-                    {relative_error, absolute_error, max_distance, cache, budget_from(deadline_ms, max_steps)});
+    const DistanceArguments asked{relative_error, absolute_error, max_distance, deadline_ms, max_steps};
+    scene->distance(object_pairs_from(count), results, closest_options_from(asked, false, nullptr, cache));
     give_all(results);
   });
 }
@@ -213,7 +210,8 @@ bool scene_distance(const Scene* scene, std::size_t count, double relative_error
 LIMBER_EXPORT(sceneContacts)
 bool scene_contacts(const Scene* scene, std::size_t count, double margin, int oriented_faces) {
   return guarded([&] {
-    scene->contacts(object_pairs_from(count), margin, contacts_found, {oriented_faces_from(oriented_faces)});
+    scene->contacts(object_pairs_from(count), margin, contacts_found,
+                    {.oriented_faces = oriented_faces_from(oriented_faces)});
     offsets.assign(contacts_found.offsets.begin(), contacts_found.offsets.end());
     give_contacts(contacts_found.contacts, {});
     exchange.words[4] = address_of(offsets.data());
@@ -236,7 +234,8 @@ LIMBER_EXPORT(sceneAnyWithin)
 bool scene_any_within(const Scene* scene, double max_distance, double deadline_ms, double max_steps, bool has_filter,
                       const ObjectPairMatrix* matrix) {
   return guarded([&] {
-    const AnyWithinOptions options{filter_from(has_filter, matrix), budget_from(deadline_ms, max_steps)};
+    const SceneQueryOptions options{.filter = filter_from(has_filter, matrix),
+                                    .budget = budget_from(deadline_ms, max_steps)};
     give_objects(scene->any_within(max_distance, options));
   });
 }
@@ -249,7 +248,7 @@ bool scene_candidates(const Scene* scene, const BodyOwner* body, PoseForm pose, 
     ids_found.clear();
     const auto keep = [](ObjectId id) { return ids_found.push_back(id), true; };
     scene->visit_candidates({body->body(), pose_from(pose, 0, "pose")}, margin, keep,
-                            {has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt});
+                            has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt);
     give_bytes(ids_found.data(), ids_found.size() * sizeof(ObjectId));
   });
 }
@@ -260,10 +259,9 @@ bool scene_closest_object(const Scene* scene, const BodyOwner* body, PoseForm po
                           bool has_filter) {
   return guarded([&] {
     const Placed placed(body->body(), pose_from(pose, 0, "pose"));
-    const ClosestObjectResult found =
-        scene->closest_object(placed, {relative_error, absolute_error, max_distance,
-                                       has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt,
-                                       budget_from(deadline_ms, max_steps)});
+    const ClosestObjectResult found = scene->closest_object(
+        placed, {{relative_error, absolute_error, max_distance, nullptr, budget_from(deadline_ms, max_steps)},
+                 has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt});
     give(found.result);
     exchange.words[4] = found.object;
   });
@@ -274,10 +272,11 @@ bool scene_time_of_impact(const Scene* scene, const BodyOwner* body, const Rigid
                           double min_separation, bool has_error, double distance_error, double deadline_ms,
                           double max_steps, bool has_filter) {
   return guarded([&] {
-    const ObjectImpactResult found = scene->time_of_impact(
-        body->body(), motion != nullptr ? *motion : RigidMotion(),
-        {max_time, min_separation, error_from(has_error, distance_error),
-         has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt, budget_from(deadline_ms, max_steps)});
+    const ObjectImpactResult found =
+        scene->time_of_impact(body->body(), motion != nullptr ? *motion : RigidMotion(),
+                              {{max_time, min_separation, error_from(has_error, distance_error), nullptr,
+                                budget_from(deadline_ms, max_steps)},
+                               has_filter ? std::optional<ObjectFilter>(ask_about_one) : std::nullopt});
     give(found.result);
     exchange.words[4] = found.object;
   });
@@ -306,7 +305,7 @@ bool scene_any_within_many(const Scene* scene, std::size_t ids, std::size_t conf
     const std::size_t poses = ids * configurations;
     std::vector<AnyWithinResult> results(configurations);
     scene->any_within_many(ids_from(ids, 16 * poses), poses_from(poses), max_distance, results,
-                           {filter_from(has_filter, matrix), budget_from(deadline_ms, max_steps)});
+                           {.filter = filter_from(has_filter, matrix), .budget = budget_from(deadline_ms, max_steps)});
     give_all(results);
   });
 }

@@ -221,12 +221,12 @@ class Recorder {
     json given{{"sceneCache", uses_cache}};
     if (max_steps < unlimited) given["budget"] = {{"maxSteps", max_steps}};
     std::vector<CollideResult> answers(pairs.size());
-    scene_.collide(pairs, answers, {cache, budget});
+    scene_.collide(pairs, answers, {.cache = cache, .budget = budget});
     write("sceneCall", {}, {"collide", uint32s(ids)}, given, each(answers));
-    scene_.within(pairs, 0.5 * margin, answers, {cache, budget});
+    scene_.within(pairs, 0.5 * margin, answers, {.cache = cache, .budget = budget});
     write("sceneCall", {}, {"within", uint32s(ids), 0.5 * margin}, given, each(answers));
     std::vector<DistanceResult> distances(pairs.size());
-    scene_.distance(pairs, distances, {.relative_error = 0.01, .cache = cache, .budget = budget});
+    scene_.distance(pairs, distances, {.distance = {.relative_error = 0.01, .budget = budget}, .cache = cache});
     given["relativeError"] = 0.01;
     write("sceneCall", {}, {"distance", uint32s(ids)}, given, each(distances));
     ObjectContacts found;
@@ -249,23 +249,21 @@ class Recorder {
     scene_.any_within_many(ids, poses, 0.25, close, {.filter = counts});
     write("sceneCall", {}, {"anyWithinMany", uint32s(ids), matrices_of(poses), 0.25}, given, each(close));
     std::vector<ClosestObjectsResult> closest(configurations);
-    scene_.closest_objects_many(ids, poses, closest, {.max_distance = 2, .filter = counts});
+    scene_.closest_objects_many(ids, poses, closest, {.distance = {.max_distance = 2}, .filter = counts});
     given["maxDistance"] = 2;
     write("sceneCall", {}, {"closestObjectsMany", uint32s(ids), matrices_of(poses)}, given, each(closest));
   }
 
   /// All questions about one body next to all objects but one.
-  void next_to_scene(std::size_t m, const Transform& pose, ObjectId left_out, const ClosestObjectOptions& options) {
+  void next_to_scene(std::size_t m, const Transform& pose, ObjectId left_out, const DistanceOptions& options) {
     std::vector<ObjectId> ids;
     scene_.visit_candidates(placed(m, pose), 1, [&](ObjectId id) { return ids.push_back(id), true; });
     write("sceneNextTo", {m}, {"candidates", 1}, {{"pose", of(pose)}}, ids);
     const auto counts = [&](ObjectId id) { return id != left_out; };
-    ClosestObjectOptions asked = options;
-    asked.filter = counts;
     json given{{"pose", of(pose)}, {"leftOut", left_out}, {"relativeError", options.relative_error}};
     given["maxDistance"] = of(options.max_distance);
     if (options.budget.max_steps < unlimited) given["budget"] = {{"maxSteps", options.budget.max_steps}};
-    write("sceneNextTo", {m}, {"closestObject"}, given, of(scene_.closest_object(placed(m, pose), asked)));
+    write("sceneNextTo", {m}, {"closestObject"}, given, of(scene_.closest_object(placed(m, pose), {options, counts})));
   }
 
   /// A vertex and a face, or two edges, by four points at the start and four at the end.
@@ -612,7 +610,7 @@ void ask_of_scenes(Recorder& record, const std::vector<std::size_t>& models, Rng
     for (Transform& pose : poses) pose = random_pose(rng, 12);
     record.all_of_scene(static_cast<ObjectId>(frame), 20, {3, 7, 7, 11}, {poses.begin(), poses.begin() + 20});
     for (std::size_t i = 0; i < models.size(); ++i) {
-      ClosestObjectOptions options{.relative_error = i % 2 == 0 ? 0 : 0.1};
+      DistanceOptions options{.relative_error = i % 2 == 0 ? 0 : 0.1};
       if (i % 3 == 1) options.max_distance = 1;
       if (i % 3 == 2) options.budget = {.max_steps = 1 + rng.below(20)};
       record.next_to_scene(models[i], poses[i], static_cast<ObjectId>(i), options);

@@ -151,8 +151,8 @@ TEST(ProgramClash, HardClashesAreFoundWhereverTheirSurfacesAre) {
 
 TEST(ProgramClash, IsInTheReportAndNotAskedOfPaths) {
   const Report report("distance scene:ball scene:ball --pose-b 0.5,0,0,1,0,0,0");
-  EXPECT_EQ(report.data["clash"], "hard_clash");
-  EXPECT_EQ(report.data["solids"], "overlapping");
+  EXPECT_EQ(report.data["rows"]["clash"][0], "hard_clash");
+  EXPECT_EQ(report.data["rows"]["solids"][0], "overlapping");
   const Folder folder;
   const std::string path = folder.store("path.csv", "5,0,0,1,0,0,0\n3,0,0,1,0,0,0\n");
   const nlohmann::json json = json_of("distance scene:ball scene:ball --path-a " + path);

@@ -141,11 +141,11 @@ TEST(ProgramTolerances, AcceptedPairsAreToldAndDoNotCount) {
     for (const Row& row : table_of(report.outcome.out)) {
       found += (row.at("accepted").empty() ? "-" : row.at("accepted")) + ' ';
     }
-    for (const auto& line : report.data["study"]["rows"]["accepted"]) {
+    for (const auto& line : report.data["rows"]["accepted"]) {
       in_page += (line.is_null() ? "-" : line.dump()) + ' ';
     }
     EXPECT_EQ(in_page, found);
-    return found + report.data["study"]["accepted"].dump() + ' ' + report.data["study"]["too_close"].dump();
+    return found + report.data["accepted"].dump() + ' ' + report.data["too_close"].dump();
   };
   // plate_1 touches bolt_a, is 0.5 from bolt_b; the bolts overlap.
   EXPECT_EQ(accepted_by("bolt_*,plate_?,\n", 3, ""), "2 - - - - - 1 2");

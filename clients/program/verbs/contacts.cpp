@@ -123,8 +123,7 @@ SelfAnswer answer_to(const ContactArguments& arguments, const RigidModel& model,
   answer.distance = self_distance(tree);
   answer.elapsed_us = rounded_us(answer.elapsed_us + asking.microseconds());
   answer.witness = with_faces(answer.distance->witness, model, model);
-  answer.stats.node_tests += answer.distance->stats.node_tests;
-  answer.stats.primitive_tests += answer.distance->stats.primitive_tests;
+  answer.stats += answer.distance->stats;
   return answer;
 }
 

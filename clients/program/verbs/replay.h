@@ -101,6 +101,8 @@ class Replay {
     void drop_every_second();
     std::size_t byte_count() const;
     Json to_json() const;
+    /// Where it stands, as the model of that number.
+    Json part(std::size_t number) const;
 
    private:
     ReplayedModel model_;

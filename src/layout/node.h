@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "limber/base.h"
+#include "limber/math.h"
+
+/// Memory layout of the hierarchy, an 8-wide BVH: nodes and leaves as structures of arrays in float32.
+///
+/// Unit     Lengths are multiples of Tree::unit, a power of two, unless a comment says otherwise. Positions are
+///          relative to a local origin, so float32 resolves them wherever the mesh lies.
+namespace limber::bvh {
+
+/// Child slots of a node, and triangle slots of a leaf.
+inline constexpr std::uint32_t width = 8;
+
+/// A mask of pairs of slots, in which bit 8 k + i stands for slots k and i: the pairs whose second slot is after the
+/// first, so that a node or leaf is compared with itself without repeats.
+inline constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
+
+/// Bounding volumes of the children of a node, one child slot each. A volume is the intersection of a sphere, an
+/// axis-aligned box in the model frame and a slab, all about one center. Numbers are rounded outward.
+struct alignas(64) ChildBounds {
+  float center_x[width], center_y[width], center_z[width];  // 96 bytes
+  float radius[width];                                      // 32   of the sphere
+  float half_x[width], half_y[width], half_z[width];        // 96   half extents of the box
+  float normal_x[width], normal_y[width], normal_z[width];  // 96   of the slab, length 1 up to rounding
+  float low[width], high[width];                            // 64   low <= normal . (p - center) <= high
+};
+static_assert(sizeof(ChildBounds) == 12 * 4 * width);
+
+/// Corners of the triangles of a leaf as fractions of the radius of its sphere: p = center + radius * q /
+/// max_quantized, each coordinate to within half a step. corner[3 * k + axis] holds coordinate `axis` of corner k.
+struct alignas(16) QuantizedTriangles {
+  std::int16_t corner[9][width];  // 144 bytes
+};
+static_assert(sizeof(QuantizedTriangles) == 18 * width);
+inline constexpr float max_quantized = 32767;
+
+/// A node with up to `width` children.
+struct alignas(64) Node {
+  ChildBounds bounds;              // 384 bytes   relative to origin
+  Vec3 origin;                     //  24         model frame, in the mesh's length unit
+  float radius;                    //   4         of a sphere about the origin that holds the spheres of all children
+  std::uint32_t first_child;       //   4         node, or leaf on the lowest level, in slot 0; slot k: the k-th after
+  std::uint32_t child_count;       //   4         slots in use, the first ones
+  std::uint32_t parent;            //   4         slot whose child this is; 0 for the header
+  std::uint32_t coincident_slots;  //   4         bit mask: slots below which all triangles have equal corners, in order
+};
+static_assert(sizeof(Node) == 448);
+
+/// Up to `width` triangles; slots beyond them repeat the last one.
+struct Leaf {
+  QuantizedTriangles corners;               // 144 bytes   about the center of the leaf's slot
+  TriangleId triangle[width];               //  32
+  std::array<VertexId, 3> vertices[width];  //  96         of the triangles
+
+  /// Whether a slot holds a triangle of its own.
+  bool is_in_use(std::size_t slot) const { return slot == 0 || triangle[slot] != triangle[slot - 1]; }
+};
+static_assert(sizeof(Leaf) == 272);
+
+/// One bounding volume like those of ChildBounds, around all children of a node and relative to its origin.
+struct MergedBounds {
+  float center[3];
+  float radius, half[3], normal[3], low, high;
+};
+
+}  // namespace limber::bvh

@@ -1,0 +1,251 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Both queries know the distance of the models at some times, and that it changes by at most `speed` times the time in
+// between.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/arguments.h"
+#include "base/check.h"
+#include "base/float_environment.h"
+#include "limber/path.h"
+#include "motion/rigid/moving_distance.h"
+#include "motion/rigid/path_motion.h"
+#include "motion/rigid/shadow.h"
+
+namespace limber {
+namespace motion {
+namespace {
+
+void require(bool holds, const char* function, const char* what) {
+  LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
+}
+
+/// The gap at a time: by how much the distance exceeds the separation.
+struct Gap {
+  double time, size;
+};
+
+/// When to ask for the next distance: where the time that it shows to be free will reach back to what the last one
+/// showed, if the gap goes on to change as it did, or somewhat worse. A guess; no answer depends on it.
+double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& gap) {
+  const double speed = moving.speed();
+  const double closing = earlier.time < gap.time ? (earlier.size - gap.size) / (gap.time - earlier.time) : speed;
+  const double expected = std::clamp(closing + 0.25 * (speed - closing), -0.9 * speed, speed);
+  return gap.time + 2 * gap.size / (speed + expected);
+}
+
+/// Conservative advancement. A distance shows that some time after it is free, and as much before it. So the next one
+/// is asked for beyond what is free. If that does not reach back, or the models touch there, the next one is asked for
+/// where the free time ends, as in plain advancement [KeinertEtAl2014].
+PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions& options) {
+  struct Interval {
+    double begin, end;
+  };
+  const double error = moving.error_or(0x1p-20, moving.radii());
+  const double separation = options.min_separation, touching = separation + error;
+  PathImpact result;
+  const auto finish = [&](ImpactStatus status, double time) {
+    result.status = status, result.time = time;
+    result.distance_count = moving.count, result.stats = moving.stats;
+    if (status == ImpactStatus::undecided) result.stopped_by = moving.stopped_by;
+    if (result.witness) result.normal = moving.normal_at(time, *result.witness);
+    return result;
+  };
+  double free = begin, end = options.max_time;  // nothing touches before `free`; what is after `end` does not matter
+  Interval ahead{2, 2};                         // nothing touches in it
+  Gap earlier{begin, 0};
+  for (double time = begin; free <= end;) {
+    // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
+    const double limit = (touching + moving.most_in(options.max_time - time)) * base::outward;
+    DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * earlier.size), limit};
+    std::optional<DistanceResult> found = moving.at(time, errors);
+    // So that the gap is half of the error or more, and time goes on.
+    if (found && found->upper > touching && found->lower <= separation + 0.5 * error) {
+      errors.relative_error = 0, errors.absolute_error = 0.25 * error;
+      found = moving.at(time, errors);
+    }
+    if (found && found->upper <= touching) {
+      result.witness = found->witness, end = time;
+      if (time <= free) break;
+      time = free;
+      continue;
+    }
+    if (moving.stopped_by != StoppedBy::nothing) {
+      result.witness.reset();
+      return finish(ImpactStatus::undecided, free);
+    }
+    LIMBER_ASSERT(found->lower > separation + 0.5 * error);
+    const Gap gap{time, found->lower - separation};
+    const double reach = moving.time_for(gap.size) - 0x1p-52;  // the ends are rounded
+    const Interval around{time - reach, found->status == DistanceStatus::beyond_limit ? 2 : time + reach};
+    if (around.begin > free) {
+      ahead = around, time = free;
+      continue;
+    }
+    LIMBER_ASSERT(time < around.end);
+    free = std::max(free, around.end);
+    if (ahead.begin <= free) free = std::max(free, ahead.end);
+    if (free < end) free = std::max(free, moving.apart_until(time, end, separation, gap.size));
+    time = result.witness ? free : std::max(free, std::min(next_time(moving, earlier, gap), end));
+    earlier = gap;
+  }
+  if (!result.witness) return finish(ImpactStatus::clear, std::numeric_limits<double>::infinity());
+  return finish(end == 0 ? ImpactStatus::initial_contact : ImpactStatus::contact, end);
+}
+
+/// A piece of time, and lower bounds of the distances at its ends and in between.
+struct Piece {
+  double begin, end, at_begin, at_end, bound;
+};
+
+PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
+  PathDistance result;
+  // A smaller error costs more distances: as one over its root, where bodies pass each other.
+  const double radii = moving.radii();
+  const auto error = [&] { return moving.error_or(0x1p-10, std::max(radii, result.upper)); };
+  const DistanceOptions errors{0, 0.25 * moving.error_or(0x1p-10, radii)};
+  const auto lower_at = [&](double time) -> std::optional<double> {
+    const std::optional<DistanceResult> found = moving.at(time, errors);
+    if (!found) return std::nullopt;
+    if (found->upper < result.upper) {
+      result.upper = found->upper, result.time = time, result.witness = found->witness;
+    }
+    return found->lower;
+  };
+  const auto piece = [&](double begin, double end, double at_begin, double at_end) {
+    return Piece{begin, end, at_begin, at_end, std::max(0.0, 0.5 * (at_begin + at_end - moving.most_in(end - begin)))};
+  };
+  // Both halves of a piece have the same bound, but for rounding. Standard libraries differ in how heaps order ties.
+  const auto has_larger_bound = [](const Piece& p, const Piece& q) {
+    return p.bound != q.bound ? p.bound > q.bound : p.begin > q.begin;
+  };
+  double least = 0;           // a lower bound for all times
+  std::vector<Piece> pieces;  // a heap with the least bound first
+  const auto add = [&](const Piece& p) {
+    pieces.push_back(p);
+    std::push_heap(pieces.begin(), pieces.end(), has_larger_bound);
+  };
+  const std::optional<double> first = lower_at(0), last = first ? lower_at(options.max_time) : first;
+  if (first && last) add(piece(0, options.max_time, *first, *last));
+  while (!pieces.empty() && result.upper - std::max(pieces.front().bound, least) > error()) {
+    least = std::max(least, moving.least_until(options.max_time, 0.5 * error()));
+    const Piece p = pieces.front();
+    LIMBER_ASSERT(p.begin < p.end && p.bound >= 0);
+    // Where the bounds from both ends meet.
+    const double meets = p.begin + 0.5 * (p.end - p.begin) + 0.5 * (moving.time_for(p.at_begin - p.at_end));
+    const double middle = std::clamp(meets, p.begin, p.end);
+    const std::optional<double> there = p.begin < middle && middle < p.end ? lower_at(middle) : std::nullopt;
+    if (!there) break;  // the budget is spent; or nothing moves in so short a time
+    std::pop_heap(pieces.begin(), pieces.end(), has_larger_bound);
+    pieces.pop_back();
+    add(piece(p.begin, middle, p.at_begin, *there)), add(piece(middle, p.end, *there, p.at_end));
+  }
+  result.lower = pieces.empty() ? 0 : std::min(std::max(pieces.front().bound, least), result.upper);
+  result.distance_count = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
+  return result;
+}
+
+/// How fast the cores of two bodies move relative to each other at most: the centers move straight, each body turns.
+double relative_speed(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b) {
+  const double straight = length(motion_b.displacement() - motion_a.displacement());
+  return (straight + turning_speed(a, motion_a) + turning_speed(b, motion_b)) * base::outward;
+}
+
+const MovingBodies* no_motions() { return nullptr; }
+
+PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& options) {
+  return first_impact(moving, 0, options);
+}
+
+/// Checks the options, and answers one of the two questions.
+template <auto question>
+auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
+         const PathOptions& options, const char* function, FindMotions motions) {
+  check_options(options, function);
+  check_speed(path_a.speed, function), check_speed(path_b.speed, function);
+  require(std::isfinite(speed), function, "the sum of both speeds must be finite");
+  MovingDistance moving(a, path_a, b, path_b, speed, options, motions);
+  return question(moving, options);
+}
+
+template <auto question>
+auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
+         const PathOptions& options, const char* function) {
+  const auto pose_a = [&](double time) { return motion_a.at(time); };
+  const auto pose_b = [&](double time) { return motion_b.at(time); };
+  const MovingBodies bodies{a, motion_a, b, motion_b};
+  return ask<question>(a, RigidPath{pose_a}, b, RigidPath{pose_b}, relative_speed(a, motion_a, b, motion_b), options,
+                       function, [&] { return &bodies; });
+}
+
+}  // namespace
+
+void check_options(const PathOptions& options, const char* function) {
+  require(options.max_time >= 0 && options.max_time <= 1, function, "max_time is not in [0, 1]");
+  require(base::is_finite_and_not_negative(options.min_separation), function,
+          "min_separation must be finite and at least 0");
+  require(base::is_finite_and_not_negative(options.distance_error.value_or(0)), function,
+          "distance_error must be finite and at least 0");
+}
+
+void check_speed(double speed, const char* function) {
+  require(base::is_finite_and_not_negative(speed), function, "the speed of a path must be finite and at least 0");
+}
+
+double speed_of(const Body& body, const RigidMotion& motion) {
+  return (length(motion.displacement()) + turning_speed(body, motion)) * base::outward;
+}
+
+PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMotion* motion, const Placed& standing,
+                        double begin, const PathOptions& options) {
+  const auto stands = [&](double) { return standing.pose; };
+  const RigidPath path_of_standing{stands};
+  std::optional<RigidMotion> still;
+  std::optional<MovingBodies> bodies;
+  const auto motions = [&]() -> const MovingBodies* {
+    if (motion == nullptr) return nullptr;
+    if (!still) still.emplace(standing.pose);
+    if (still->start() != standing.pose) return nullptr;  // it is skew
+    if (!bodies) bodies.emplace(MovingBodies{body, *motion, standing.body(), *still});
+    return &*bodies;
+  };
+  MovingDistance moving(body, path, standing.body(), path_of_standing, path.speed, options, motions);
+  return first_impact(moving, begin, options);
+}
+
+}  // namespace motion
+
+PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
+                          const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  return motion::ask<motion::impact_on_whole_way>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
+                                                  "limber::time_of_impact", motion::no_motions);
+}
+
+PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
+                          const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  return motion::ask<motion::impact_on_whole_way>(a, motion_a, b, motion_b, options, "limber::time_of_impact");
+}
+
+PathDistance min_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
+                          const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  return motion::ask<motion::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
+                                      "limber::min_distance", motion::no_motions);
+}
+
+PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
+                          const PathOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  return motion::ask<motion::nearest>(a, motion_a, b, motion_b, options, "limber::min_distance");
+}
+
+}  // namespace limber
