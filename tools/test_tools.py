@@ -103,6 +103,8 @@ class Layers(Repository):
             ("src/model/a.cpp", "limber/eigen.h"),
             ("include/limber/mesh.h", "limber/no_such.h"),
             ("clients/program/a.cpp", "bench/support/b.h"),
+            ("clients/program/a.cpp", "reference/reference.h"),
+            ("clients/program/tests/a.cpp", "scenes/scenes.h"),
             ("scenes/a.cpp", "bench/support/b.h"),
         ):
             with self.subTest(path=path, target=target):

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "command/text.h"
+#include "formats/scenes.h"
 #include "reports/page_template.h"
-#include "scenes/scenes.h"
 #include "verbs/replay.h"
 
 namespace limber::program {

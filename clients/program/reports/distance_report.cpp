@@ -202,11 +202,10 @@ Json distance_report(const PlacedArguments& arguments, const Pair& pair, const D
                {shown_name(arguments.b), arguments.b, &b.model, b.pose}});
   study.add(0, {0, 1}, answer, std::nullopt);
   Json json = study.to_json();
-  // Only the fast engine has point queries and contacts.
-  const Placed fast_a{a.model.in_fast_engine(), a.pose}, fast_b{b.model.in_fast_engine(), b.pose};
+  const Placed placed_a = a, placed_b = b;
   const double shortest_edge = shortest_edge_part * std::min(diagonal_of(a.model.box()), diagonal_of(b.model.box()));
-  append_distances(json["models"][0], a, fast_b, shortest_edge);
-  append_distances(json["models"][1], b, fast_a, shortest_edge);
+  append_distances(json["models"][0], a, placed_b, shortest_edge);
+  append_distances(json["models"][1], b, placed_a, shortest_edge);
   json["parts"]["poses"] = Json::array({poses_json(std::array{Transform{}}), poses_json(std::array{Transform{}})});
   Json extra;
   append_work(extra, answer.result.stats, pair.build_us(), answer.elapsed_us);
@@ -214,7 +213,7 @@ Json distance_report(const PlacedArguments& arguments, const Pair& pair, const D
   extra["contact_normal"] = extra["witness_corners"] = nullptr;
   if (answer.result.status == DistanceStatus::collision) {
     std::optional<Contact> deepest;
-    extra["intersections"] = visit_contacts(fast_a, fast_b, 0, [&](const Contact& contact) {
+    extra["intersections"] = visit_contacts(placed_a, placed_b, 0, [&](const Contact& contact) {
                                if (!deepest || contact.depth > deepest->depth) deepest = contact;
                                return true;
                              }).count;

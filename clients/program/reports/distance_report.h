@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "answers/answers.h"
+#include "answers/models.h"
 #include "reports/page_template.h"
-#include "verbs/answers.h"
-#include "verbs/models.h"
 
 /// The page of `limber distance --report`.
 namespace limber::program {

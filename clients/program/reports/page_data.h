@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "answers/answers.h"
 #include "command/output.h"
 #include "limber/mesh.h"
-#include "verbs/answers.h"
 
 /// Meshes and numbers as a page carries them: few bytes, in base64. clients/pages/shared/decode.ts reads them back.
 namespace limber::program {

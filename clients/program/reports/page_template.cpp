@@ -11,9 +11,9 @@
 #include <system_error>
 #include <utility>
 
+#include "answers/models.h"
 #include "command/text.h"
 #include "reports/sha256.h"
-#include "verbs/models.h"
 
 namespace limber::program {
 namespace {

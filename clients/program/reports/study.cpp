@@ -94,11 +94,7 @@ void Study::keep_worst() {
 }
 
 Json Study::intersecting_triangles(const PartPair& pair) {
-  // Only the fast engine has such queries.
-  const auto in_fast_engine = [&](std::size_t part) {
-    return Placed{parts_[part].model->in_fast_engine(), parts_[part].pose};
-  };
-  const auto found = intersecting_triangles_of(in_fast_engine(pair[0]), in_fast_engine(pair[1]));
+  const auto found = intersecting_triangles_of(parts_[pair[0]].placed(), parts_[pair[1]].placed());
   std::array<std::string, 2> texts = {increasing_ids(found[0]), increasing_ids(found[1])};
   const std::size_t byte_count = texts[0].size() + texts[1].size();
   if (kind_ == StudyKind::pair) return texts;

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "answers/answers.h"
+#include "answers/models.h"
 #include "command/output.h"
-#include "verbs/answers.h"
-#include "verbs/models.h"
 
 /// The page of `limber distance --report`, `--pairs --report` and `--parts --report`.
 namespace limber::program {

@@ -4,7 +4,6 @@
 
 #include "page_decoding.h"
 #include "run_program.h"
-#include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {

@@ -11,7 +11,6 @@
 #include "page_decoding.h"
 #include "reports/sha256.h"
 #include "run_program.h"
-#include "scenes/scenes.h"
 
 /// Pages of many pairs: `limber distance --pairs --report` and `limber distance --parts --report`.
 namespace limber::program_tests {
@@ -66,25 +65,21 @@ TEST(ProgramStudy, HasTheAnswersOfTheSameRun) {
 
 TEST(ProgramStudy, TellsWhatStandsWhereAndHowDeepHardClashesAre) {
   const Pairs pairs;
-  for (const std::string engine : {"fast", "classic", "reference"}) {
-    SCOPED_TRACE(engine);
-    const nlohmann::json data = Report("distance --pairs " + pairs.file + " --engine " + engine).data;
-    const nlohmann::json &rows = data["rows"], &parts = data["parts"];
-    EXPECT_EQ(parts["name"].size(), 12U);
-    EXPECT_EQ(parts["name"][rows["b"][5].get<std::size_t>()], "scene:square");
-    EXPECT_EQ(parts["file"][rows["a"][5].get<std::size_t>()], pairs.large);
-    EXPECT_EQ(parts["model"], (nlohmann::json{0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 2}));
-    EXPECT_EQ(data["models"][1]["name"], "small.obj");
-    EXPECT_EQ(data["models"][1]["triangles"], 12);
-    EXPECT_EQ(data["models"][1]["closed"], true);
-    EXPECT_EQ(rows["clash"],
-              (nlohmann::json{"clear", "hard_clash", "hard_clash", "touching", "clear", "surfaces_meet"}));
-    EXPECT_EQ(rows["depth"][1], 0.5);
-    EXPECT_NEAR(rows["depth"][2].get<double>(), 2, 1e-9);  // the small cube leaves by its nearest side, whole
-    for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["depth"][r].is_null());
-    for (const std::size_t r : {0U, 2U, 4U}) EXPECT_TRUE(rows["intersecting"][r].is_null());
-    EXPECT_NE(rows["intersecting"][1][0], "");
-  }
+  const nlohmann::json data = Report("distance --pairs " + pairs.file).data;
+  const nlohmann::json &rows = data["rows"], &parts = data["parts"];
+  EXPECT_EQ(parts["name"].size(), 12U);
+  EXPECT_EQ(parts["name"][rows["b"][5].get<std::size_t>()], "scene:square");
+  EXPECT_EQ(parts["file"][rows["a"][5].get<std::size_t>()], pairs.large);
+  EXPECT_EQ(parts["model"], (nlohmann::json{0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 2}));
+  EXPECT_EQ(data["models"][1]["name"], "small.obj");
+  EXPECT_EQ(data["models"][1]["triangles"], 12);
+  EXPECT_EQ(data["models"][1]["closed"], true);
+  EXPECT_EQ(rows["clash"], (nlohmann::json{"clear", "hard_clash", "hard_clash", "touching", "clear", "surfaces_meet"}));
+  EXPECT_EQ(rows["depth"][1], 0.5);
+  EXPECT_NEAR(rows["depth"][2].get<double>(), 2, 1e-9);  // the small cube leaves by its nearest side, whole
+  for (const std::size_t r : {0U, 3U, 4U, 5U}) EXPECT_TRUE(rows["depth"][r].is_null());
+  for (const std::size_t r : {0U, 2U, 4U}) EXPECT_TRUE(rows["intersecting"][r].is_null());
+  EXPECT_NE(rows["intersecting"][1][0], "");
 }
 
 TEST(ProgramStudy, OfPartsAsksAboutAllPairs) {

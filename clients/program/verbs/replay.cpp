@@ -32,29 +32,12 @@ Json named_objects(const Names& names) {
   return json;
 }
 
-std::string prefixed(const std::string& name, std::string_view columns) {
-  std::string text;
-  for (const std::string_view column : fields_of(columns, ',')) text += fmt::format(",{}_{}", name, column);
-  return text;
-}
-
 }  // namespace
 
 TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
   elapsed_us = rounded_us(elapsed_us + other.elapsed_us);
   done += other.done;
   return *this;
-}
-
-std::string track_csv_header(bool has_clearance, bool has_depth, const Names& contact_names,
-                             const Names& impact_names) {
-  std::string header =
-      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,primitive_tests{}{}",
-                  distance_columns, witness_columns, has_clearance ? ",too_close" : "", has_depth ? ",depth" : "");
-  const std::string of_contacts = "query_us,count,intersecting," + contact_columns(ContactDetail::all);
-  for (const std::string& name : contact_names) header += prefixed(name, of_contacts);
-  for (const std::string& name : impact_names) header += prefixed(name, impact_columns);
-  return header + '\n';
 }
 
 Json to_json(const TrackRow& row) {

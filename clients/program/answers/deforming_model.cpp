@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verbs/deforming_model.h"
+#include "answers/deforming_model.h"
 #include "limber/distance.h"
 
 #include <fmt/format.h>

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verbs/tracked_model.h"
+#include "answers/tracked_model.h"
 
 #include <fmt/format.h>
 
 #include <utility>
 
+#include "answers/models.h"
 #include "command/run_files.h"
 #include "command/text.h"
 #include "formats/csv_inputs.h"
-#include "verbs/models.h"
 
 namespace limber::program {
 

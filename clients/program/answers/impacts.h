@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "answers/answers.h"
 #include "limber/geometry.h"
 #include "limber/motion.h"
-#include "verbs/answers.h"
 
 /// Impacts between frames: when two models touch first on the way from one frame to the next, or one touches itself.
 namespace limber::program {
@@ -46,10 +46,5 @@ struct FrameImpact {
 FrameImpact find_impact(const std::string& name, std::size_t frame, const FrameMotion& a, const FrameMotion& b,
                         const ImpactOptions& options);
 
-/// One object, whose values are the cells under these columns; each column starts with the name and an underscore.
 Json to_json(const FrameImpact& impact);
-inline constexpr const char* impact_columns =
-    "query_us,status,lower,upper,triangle_a,triangle_b,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-    "normal_x,normal_y,normal_z,feature_a,feature_b,face_a,face_b";
-
 }  // namespace limber::program

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verbs/contact_regions.h"
+#include "answers/contact_answers.h"
 
 #include <algorithm>
 #include <numeric>

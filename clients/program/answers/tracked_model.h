@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "answers/deforming_model.h"
+#include "answers/impacts.h"
 #include "limber/io.h"
-#include "verbs/deforming_model.h"
-#include "verbs/impacts.h"
 #include "verbs/replay.h"
 
 /// Models that move and deform from frame to frame, as `limber track` takes them.

@@ -5,17 +5,14 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "command/output.h"
-#include "limber/classic.h"
 #include "limber/io.h"
 #include "limber/model.h"
+#include "limber/path.h"
 #include "limber/points.h"
 #include "limber/solids.h"
-#include "reference/reference.h"
-#include "verbs/paths.h"
 
 namespace CLI {
 class App;
@@ -49,22 +46,15 @@ bool is_scene(const std::string& argument);
 /// Errors   BadInput naming the argument.
 MeshFile load_mesh_argument(const std::string& argument);
 
-enum class Engine { fast, classic, reference };
-
-struct PlacedModel;
-
-/// A model that does not deform, ready for queries of one engine.
+/// A model that does not deform.
 class RigidModel {
  public:
-  RigidModel(MeshFile file, Engine engine);
+  explicit RigidModel(MeshFile file);
   RigidModel(const RigidModel&) = delete;  // surface() points into it
   RigidModel& operator=(const RigidModel&) = delete;
 
-  const Mesh& mesh() const;
-  /// Pre: the engine is the fast one.
-  const Model& fast() const { return std::get<Model>(model_); }
-  /// The model in the fast engine, whichever it is of; made when it is first asked for.
-  const Model& in_fast_engine() const;
+  const Mesh& mesh() const { return model_.mesh(); }
+  const Model& model() const { return model_; }
   std::uint32_t face_of(TriangleId triangle) const { return face_of_triangle_[triangle]; }
   std::size_t face_count() const { return face_count_; }  ///< of the file
   /// The name of the part that a triangle belongs to; null where the file has one part alone.
@@ -78,18 +68,14 @@ class RigidModel {
   const Result<ClosedSurface>& surface() const;
 
  private:
-  template <typename Query>
-  friend auto ask(const PlacedModel& a, const PlacedModel& b, Query query);
-
   Box box_;
   double build_us_ = 0;
-  std::variant<Model, classic::Model, Mesh> model_;
+  Model model_;
   std::vector<std::uint32_t> face_of_triangle_;
   std::size_t face_count_ = 0;
   std::vector<std::string> parts_;
   std::vector<std::uint32_t> part_of_triangle_;
   mutable std::optional<bool> is_closed_;
-  mutable std::optional<Model> in_fast_engine_;  // where the engine is another one
   mutable std::optional<Result<ClosedSurface>> surface_;
 };
 
@@ -97,31 +83,9 @@ class RigidModel {
 struct PlacedModel {
   const RigidModel& model;
   Transform pose;  ///< world_from_model
+
+  operator Placed() const { return {model.model(), pose}; }  // NOLINT(google-explicit-constructor)
 };
-
-template <typename Answer>
-struct TimedAnswer {
-  Answer answer;
-  double elapsed_us = 0;  ///< of the query alone
-};
-
-inline Placed placed(const Model& model, const Transform& pose) { return {model, pose}; }
-inline classic::Placed placed(const classic::Model& model, const Transform& pose) { return {model, pose}; }
-inline reference::Placed placed(const Mesh& mesh, const Transform& pose) { return {mesh, pose}; }
-
-/// Puts a query to the engine of two models; `query` takes two placed models or meshes of any engine.
-///
-/// Pre      Both models are of one engine.
-template <typename Query>
-auto ask(const PlacedModel& a, const PlacedModel& b, Query query) {
-  const auto ask_engine = [&](const auto& model_a) {
-    const auto& model_b = std::get<std::decay_t<decltype(model_a)>>(b.model.model_);
-    const Stopwatch asking;
-    auto answer = query(placed(model_a, a.pose), placed(model_b, b.pose));
-    return TimedAnswer<decltype(answer)>{std::move(answer), asking.microseconds()};
-  };
-  return std::visit(ask_engine, a.model.model_);
-}
 
 /// How the volumes of two models lie to each other; nothing unless RigidModel::surface() of both is closed.
 std::optional<SolidRelationResult> solids_of(const PlacedModel& a, const PlacedModel& b);
@@ -139,12 +103,47 @@ Nesting nesting_of(const SolidRelationResult& solids);
 ///          first time, or more: that of solid_relation().
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
 
+/// The help text about path files, for every verb that reads them.
+inline constexpr const char* path_help = R"(
+A path file has a pose per row, tx,ty,tz,qw,qx,qy,qz, with a header or without, as limber track reads them. The model
+is at the first pose at time 0, at the second at time 1, and so on: 1.25 is a quarter of the way from the second to the
+third. On the way the model's origin moves straight, and the model turns about one axis, the shorter way round, both at
+constant speed. Paths of both models have as many poses.
+)";
+
+/// Where a model goes, as the command line says it.
+struct PathArguments {
+  std::string poses;  ///< a file; empty: the model stands still
+  Transform pose;     ///< where it does
+};
+
+/// How two models go along their poses, one step after the other.
+class Path {
+ public:
+  /// Pre      One of the two goes along poses.
+  /// Errors   BadInput of read_poses(); where there are fewer than two poses, or not as many for both models.
+  Path(const PathArguments& a, const PathArguments& b);
+
+  const Transform& start_a() const { return steps_.front().a.start(); }
+  const Transform& start_b() const { return steps_.front().b.start(); }
+
+  /// As time_of_impact() and min_distance() of limber/path.h, but times are those of the path.
+  PathImpact first_impact(const Model& a, const Model& b, double separation) const;
+  PathDistance min_distance(const Model& a, const Model& b, std::optional<double> distance_error) const;
+
+ private:
+  struct Step {
+    RigidMotion a, b;
+  };
+
+  std::vector<Step> steps_;
+};
+
 /// Two rigid models, and where they stand or go.
 struct PlacedArguments {
   std::string a, b;
   Transform pose_a, pose_b;    // world_from_model
   std::string path_a, path_b;  // files of poses; empty: the model stands still
-  Engine engine = Engine::fast;
 };
 
 /// An option that says where a model stands: "A".
@@ -159,14 +158,14 @@ struct PairArguments : PlacedArguments {
   bool exit_code = false;
 };
 
-/// Adds the options of PlacedArguments, `--path-a`, `--path-b`, `--engine`, `--json`, and `--exit-code` with what it
+/// Adds the options of PlacedArguments, `--path-a`, `--path-b`, `--json`, and `--exit-code` with what it
 /// tells, such as "the models collide".
 void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::string& told);
 
 /// The two models that the arguments name, at the start of their path if they have one.
 class Pair {
  public:
-  /// Errors   BadInput of load_mesh_argument() and Path; with a path, unless the engine is the fast one.
+  /// Errors   BadInput of load_mesh_argument() and Path.
   explicit Pair(const PlacedArguments& arguments);
 
   PlacedModel a() const { return {a_, arguments_.pose_a}; }

@@ -9,11 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "answers/answers.h"
 #include "command/output.h"
 #include "command/run_files.h"
 #include "limber/contacts.h"
-#include "verbs/answers.h"
-#include "verbs/contact_regions.h"
 
 namespace CLI {
 class App;
@@ -21,6 +20,22 @@ class App;
 
 /// Pairs of triangles: the options that ask for them, what queries find, and how it is written.
 namespace limber::program {
+
+/// Pairs that are connected: two are neighbors if their triangles of A share a vertex, or are one, and their triangles
+/// of B, too. Of two neighbors both are in one region.
+struct ContactRegion {
+  std::size_t count = 0, intersecting_count = 0;  ///< of its pairs
+  double depth = 0, distance = 0;                 ///< the largest, the least
+  Vec3 low, high;                                 ///< a box around the points of its pairs
+};
+
+struct ContactRegions {
+  std::vector<ContactRegion> regions;    ///< the deepest first, then the nearest, then the largest
+  std::vector<std::uint32_t> region_of;  ///< of each pair
+};
+
+/// Cost     O(n log n) for n pairs.
+ContactRegions regions_of(const std::vector<Contact>& contacts, MeshView a, MeshView b);
 
 /// A pair of triangles, and the faces and parts of the files that they come from.
 struct FoundContact : Contact {
@@ -82,9 +97,7 @@ void set_faces(FoundContacts& found, const Faces& a, const Faces& b) {
 /// "vertex 0", "edge 2", "face".
 std::string to_text(Feature feature);
 
-/// One object, whose values are the cells under `contact_columns()`.
 Json to_json(const FoundContact& contact, ContactDetail detail);
-std::string contact_columns(ContactDetail detail);
 
 /// Finds the regions of all pairs, and keeps the first few of the pairs. Pre: all pairs are there, with all detail.
 void find_regions(FoundContacts& found, MeshView a, MeshView b, std::size_t room);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verbs/impacts.h"
+#include "answers/impacts.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "verbs/contact_answers.h"
+#include "answers/contact_answers.h"
 
 namespace limber::program {
 namespace {

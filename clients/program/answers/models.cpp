@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verbs/models.h"
+#include "answers/models.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <string_view>
 
@@ -12,25 +14,17 @@
 #include "command/run_files.h"
 #include "command/text.h"
 #include "formats/csv_inputs.h"
-#include "scenes/scenes.h"
+#include "formats/scenes.h"
 
 namespace limber::program {
 namespace {
 
 constexpr std::string_view scene_prefix = "scene:";
 
-using AnyModel = std::variant<Model, classic::Model, Mesh>;
-
-AnyModel made(Mesh mesh, Engine engine) {
-  if (engine == Engine::fast) return AnyModel(std::in_place_type<Model>, std::move(mesh));
-  if (engine == Engine::classic) return AnyModel(std::in_place_type<classic::Model>, std::move(mesh));
-  return AnyModel(std::in_place_type<Mesh>, std::move(mesh));
-}
-
 /// The model, after setting `elapsed_us` to the time that making it took.
-AnyModel timed_made(Mesh mesh, Engine engine, double& elapsed_us) {
+Model timed_made(Mesh mesh, double& elapsed_us) {
   const Stopwatch building;
-  AnyModel model = made(std::move(mesh), engine);
+  Model model(std::move(mesh));
   elapsed_us = building.microseconds();
   return model;
 }
@@ -80,7 +74,7 @@ bool is_inside(const Vec3& point, MeshView mesh, double size) {
   constexpr int max_rays = 32;  // a ray at random meets a border once in a long time
   scenes::Rng rng(1);
   for (int i = 0; i < max_rays; ++i) {
-    const Vec3 direction = scenes::random_rotation(rng).row0;
+    const Vec3 direction{rng.uniform(0.5, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
     const auto crossings = count_crossings({point, point + (16 * size) * direction}, mesh);
     if (crossings) return *crossings % 2 == 1;
   }
@@ -181,32 +175,21 @@ MeshFile load_mesh_argument(const std::string& argument) {
           {}};
 }
 
-RigidModel::RigidModel(MeshFile file, Engine engine)
+RigidModel::RigidModel(MeshFile file)
     : box_(box_of(file.mesh)),
-      model_(timed_made(std::move(file.mesh), engine, build_us_)),
+      model_(timed_made(std::move(file.mesh), build_us_)),
       face_of_triangle_(std::move(file.face_of_triangle)),
       face_count_(file.face_count),
       parts_(std::move(file.parts)),
       part_of_triangle_(std::move(file.part_of_triangle)) {}
-
-const Mesh& RigidModel::mesh() const {
-  if (const auto* const mesh = std::get_if<Mesh>(&model_)) return *mesh;
-  if (const auto* const fast = std::get_if<Model>(&model_)) return fast->mesh();
-  return std::get<classic::Model>(model_).mesh();
-}
 
 bool RigidModel::is_closed() const {
   if (!is_closed_) is_closed_ = count_edges(mesh()).are_closed();
   return *is_closed_;
 }
 
-const Model& RigidModel::in_fast_engine() const {
-  if (const auto* const model = std::get_if<Model>(&model_)) return *model;
-  return in_fast_engine_ ? *in_fast_engine_ : in_fast_engine_.emplace(mesh());
-}
-
 const Result<ClosedSurface>& RigidModel::surface() const {
-  if (!surface_) surface_ = ClosedSurface::create(in_fast_engine());
+  if (!surface_) surface_ = ClosedSurface::create(model_);
   return *surface_;
 }
 
@@ -228,6 +211,66 @@ Nesting nesting_of(const PlacedModel& a, const PlacedModel& b) {
   if (const auto solids = solids_of(a, b)) return nesting_of(*solids);
   if (b_may_be && is_inside(b, a)) return Nesting::b_inside_a;
   return a_may_be && is_inside(a, b) ? Nesting::a_inside_b : Nesting::none;
+}
+
+namespace {
+
+/// The poses of a path, or one of a model that stands still.
+std::vector<Transform> poses_of(const PathArguments& arguments, const char* option) {
+  if (arguments.poses.empty()) return {arguments.pose};
+  std::vector<Transform> poses = read_poses(arguments.poses);
+  if (poses.size() > 1) return poses;
+  throw BadInput(fmt::format("{}: {} has one pose, and a path two or more", option, arguments.poses));
+}
+
+RigidMotion motion_from(const std::vector<Transform>& poses, std::size_t step) {
+  return poses.size() == 1 ? RigidMotion(poses[0]) : RigidMotion(poses[step], poses[step + 1]);
+}
+
+void add_work(auto& sum, const auto& found) {
+  sum.distance_count += found.distance_count;
+  sum.stats.node_tests += found.stats.node_tests;
+  sum.stats.primitive_tests += found.stats.primitive_tests;
+}
+
+}  // namespace
+
+Path::Path(const PathArguments& a, const PathArguments& b) {
+  const std::vector<Transform> poses_a = poses_of(a, "--path-a"), poses_b = poses_of(b, "--path-b");
+  if (poses_a.size() > 1 && poses_b.size() > 1 && poses_a.size() != poses_b.size()) {
+    throw BadInput(fmt::format("--path-a has {} poses, but --path-b has {}", poses_a.size(), poses_b.size()));
+  }
+  const std::size_t pose_count = std::max(poses_a.size(), poses_b.size());
+  for (std::size_t s = 0; s + 1 < pose_count; ++s) steps_.push_back({motion_from(poses_a, s), motion_from(poses_b, s)});
+}
+
+PathImpact Path::first_impact(const Model& a, const Model& b, double separation) const {
+  QueryCache cache;
+  const PathOptions options{.min_separation = separation, .cache = &cache};
+  PathImpact first;
+  first.status = ImpactStatus::clear;
+  for (std::size_t s = 0; s < steps_.size() && first.status == ImpactStatus::clear; ++s) {
+    const PathImpact found = time_of_impact(a, steps_[s].a, b, steps_[s].b, options);
+    first.status = found.status, first.time = static_cast<double>(s) + found.time, first.witness = found.witness;
+    add_work(first, found);
+  }
+  return first;
+}
+
+PathDistance Path::min_distance(const Model& a, const Model& b, std::optional<double> distance_error) const {
+  QueryCache cache;
+  const PathOptions options{.distance_error = distance_error, .cache = &cache};
+  PathDistance least;
+  least.lower = std::numeric_limits<double>::infinity();
+  for (std::size_t s = 0; s < steps_.size(); ++s) {
+    const PathDistance found = limber::min_distance(a, steps_[s].a, b, steps_[s].b, options);
+    least.lower = std::min(least.lower, found.lower);
+    if (found.upper < least.upper) {
+      least.upper = found.upper, least.time = static_cast<double>(s) + found.time, least.witness = found.witness;
+    }
+    add_work(least, found);
+  }
+  return least;
 }
 
 void add_pose(CLI::App& command, const std::string& name, Transform& target, const std::string& model) {
@@ -255,27 +298,17 @@ void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::
   add_placed_arguments(command, arguments);
   for (auto* const path : {&arguments.path_a, &arguments.path_b}) {
     const char* const model = path == &arguments.path_a ? "a" : "b";
-    command
-        .add_option(std::string("--path-") + model, *path,
-                    "fast: instead of a pose, where the model goes: two or more poses, one per row")
-        ->type_name("CSV")
+    add_file(command, std::string("--path-") + model, *path, "CSV",
+             "instead of a pose, where the model goes: two or more poses, one per row")
         ->excludes(std::string("--pose-") + model);
   }
-  add_choice(command, "--engine", arguments.engine,
-             {{"fast", Engine::fast}, {"classic", Engine::classic}, {"reference", Engine::reference}},
-             "8-wide trees, binary sphere trees, or every triangle against every other");
   add_json(command, arguments.json, "answer with one JSON object");
   add_exit_code(command, arguments.exit_code, told);
 }
 
 Pair::Pair(const PlacedArguments& arguments)
-    : arguments_(arguments),
-      a_(load_mesh_argument(arguments.a), arguments.engine),
-      b_(load_mesh_argument(arguments.b), arguments.engine) {
+    : arguments_(arguments), a_(load_mesh_argument(arguments.a)), b_(load_mesh_argument(arguments.b)) {
   if (arguments.path_a.empty() && arguments.path_b.empty()) return;
-  if (arguments.engine != Engine::fast) {
-    throw BadInput(fmt::format("{}: belongs to --engine fast", arguments.path_a.empty() ? "--path-b" : "--path-a"));
-  }
   path_.emplace(PathArguments{arguments.path_a, arguments.pose_a}, PathArguments{arguments.path_b, arguments.pose_b});
   arguments_.pose_a = path_->start_a();
   arguments_.pose_b = path_->start_b();

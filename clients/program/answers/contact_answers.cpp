@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "verbs/contact_answers.h"
+#include "answers/contact_answers.h"
 
 #include <algorithm>
 #include <array>
@@ -105,12 +105,6 @@ Json to_json(const FoundContact& contact, ContactDetail detail) {
   return json;
 }
 
-std::string contact_columns(ContactDetail detail) {
-  if (detail == ContactDetail::ids) return "triangle_a,triangle_b,face_a,face_b";
-  return "triangle_a,triangle_b,distance,depth,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-         "normal_x,normal_y,normal_z,normal_side,feature_a,feature_b,face_a,face_b";
-}
-
 void find_regions(FoundContacts& found, MeshView a, MeshView b, std::size_t room) {
   ContactRegions regions = regions_of({found.first.begin(), found.first.end()}, a, b);
   for (std::size_t i = 0; i < found.first.size(); ++i) found.first[i].region = regions.region_of[i];
@@ -164,7 +158,8 @@ void add_contact_arguments(CLI::App& command, ContactArguments& arguments, const
   command.add_flag("--intersections", arguments.intersections,
                    "all pairs that intersect, by their ids alone: faster than --margin 0");
   add_count(command, "--closest", arguments.closest, {1, most_closest}, "the K closest pairs")->type_name("K");
-  add_table(command, arguments.out, "where a row for each pair is written");
+  add_file(command, "--out", arguments.out, "FILE",
+           "where a row for each pair is written, as CSV; - for standard output, which then has nothing else");
   add_count(command, "--max-count", arguments.max_count, {0, std::numeric_limits<std::uint32_t>::max()},
             "how many pairs are written at most; without it 10 as text, all as CSV or JSON");
   add_json(command, arguments.json, "answer with one JSON object");
@@ -178,7 +173,10 @@ bool check_contact_arguments(const CLI::App& command) {
     if (!question.empty()) throw CLI::ValidationError(question, "leaves no room for " + name);
     question = name;
   }
-  check_table(command);
+  if (command.get_option("--json")->count() > 0 && command.get_option("--out")->count() > 0 &&
+      command.get_option("--out")->as<std::string>() == "-") {
+    throw CLI::ValidationError("--out", "leaves no room on standard output for --json");
+  }
   return !question.empty();
 }
 
@@ -200,7 +198,8 @@ in microseconds. Columns of CSV:
 With --intersections, {}. JSON has count, intersecting, which is the number of pairs at distance 0, and pairs, an array
 of objects with the names of the columns; point_a, point_b and normal are arrays of three numbers.
 )",
-                     spaced(contact_columns(ContactDetail::all)), spaced(contact_columns(ContactDetail::ids)));
+                     AnswerColumns(to_json(FoundContact(), ContactDetail::all)).help(),
+                     AnswerColumns(to_json(FoundContact(), ContactDetail::ids)).help());
 }
 
 ContactOutput::ContactOutput(const ContactArguments& arguments) : arguments_(arguments) {
@@ -224,10 +223,14 @@ void ContactOutput::write(const FoundContacts& found, const std::function<Json()
 }
 
 void ContactOutput::write_csv(const FoundContacts& found) {
-  std::string text =
-      contact_columns(found.detail) + (found.regions ? ",region" : "") + (found.has_parts ? ",part_a,part_b\n" : "\n");
+  const std::string part;
+  FoundContact sample;
+  if (found.regions) sample.region = 0;
+  if (found.has_parts) sample.part_a = sample.part_b = &part;
+  const AnswerColumns columns(to_json(sample, found.detail));
+  std::string text = columns.header();
   for (const FoundContact& contact : found.first) {
-    text += csv_line(to_json(contact, found.detail));
+    text += columns.line(to_json(contact, found.detail));
     if (text.size() < csv_chunk_bytes) continue;
     out_->write_rows(text);
     text.clear();
