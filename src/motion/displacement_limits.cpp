@@ -16,6 +16,7 @@
 
 #include "base/arguments.h"
 #include "base/check.h"
+#include "base/error_bounds.h"
 #include "base/float_environment.h"
 #include "geometry/primitives.h"
 #include "limber/motion.h"

@@ -182,8 +182,7 @@ void ShortestTranslation::refine(Vec3 direction, SweepResult found) {
 /// Turns the best direction a little to each side, and less where that is no better.
 void ShortestTranslation::look_around() {
   for (double turn = widest_look; turn >= narrowest_look && !is_done();) {
-    const Vec3 direction = unit(translation_), side = perpendicular_to(direction),
-               other = cross(direction, side);
+    const Vec3 direction = unit(translation_), side = perpendicular_to(direction), other = cross(direction, side);
     const double before = upper_;
     for (const Vec3& aside : {side, other, -side, -other, side + other, side - other, other - side, -side - other}) {
       const Vec3 next = unit(direction + turn * aside);
