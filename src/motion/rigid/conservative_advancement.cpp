@@ -13,6 +13,7 @@
 
 #include "base/arguments.h"
 #include "base/check.h"
+#include "base/error_bounds.h"
 #include "base/float_environment.h"
 #include "limber/path.h"
 #include "motion/rigid/moving_distance.h"

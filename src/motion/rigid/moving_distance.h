@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/error_bounds.h"
 #include "limber/gradients.h"
 #include "limber/path.h"
 #include "motion/rigid/shadow.h"

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error_bounds.h"
 #include "geometry/primitives.h"
 
 namespace limber::motion {
