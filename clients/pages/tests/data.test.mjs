@@ -24,9 +24,7 @@ before(() => {
   const moving = ['--b', 'scene:ball', '--poses-b', session.store('poses.csv', poses)];
   session.make('far', 'distance', sheets[0], 'scene:ball', '--pose-a', pose, '--pose-b', '40,0,0,1,0,0,0');
   session.make('floor', 'distance', floor, 'scene:ball', '--pose-b', '7,-3,1.5,1,0,0,0');
-  for (const engine of ['fast', 'classic', 'reference']) {
-    session.make(engine, 'distance', 'scene:soup:1', 'scene:soup:2', '--pose-b', pose, '--engine', engine);
-  }
+  session.make('crossing', 'distance', 'scene:soup:1', 'scene:soup:2', '--pose-b', pose);
   const rows = [
     `${box},scene:ball,3,1,1`,
     `${box},scene:ball,1,1,1`,
@@ -64,7 +62,7 @@ function distanceTo(point, [a, b, c]) {
 
 const inWorld = { center: new Vector3(), size: 1 };
 
-for (const name of ['far', 'floor', 'fast', 'pairs', 'parts', 'frames', 'thinned', 'demo']) {
+for (const name of ['far', 'floor', 'crossing', 'pairs', 'parts', 'frames', 'thinned', 'demo']) {
   test(`the closest points of ${name} lie on the triangles that the page decodes, in each row`, () => {
     const all = data[name];
     const { rows, kind, frame_count = 1, stride = 1 } = all;
@@ -164,21 +162,19 @@ test('long edges are divided so that the map sees what is near, and the parts of
   assert.ok(Math.abs(Math.min(...floor.distances) - 0.5) < 0.05);
 });
 
-test('triangles that intersect are all marked, whatever the engine', () => {
+test('triangles that intersect are all marked', () => {
   const words = ['contacts', 'scene:soup:1', 'scene:soup:2', '--pose-b', pose, '--margin', '0'];
   const [{ pairs }] = session.ask(...words, '--max-count', '100000');
   assert.ok(pairs.length > 10);
-  for (const engine of ['fast', 'classic', 'reference']) {
-    assert.equal(data[engine].pair.intersections, pairs.length);
-    assert.ok(data[engine].pair.contact_normal.every(Number.isFinite));
-    data[engine].rows.intersecting[0].forEach((text, side) => {
-      const expected = new Set(pairs.map((pair) => pair[side === 0 ? 'triangle_a' : 'triangle_b']));
-      assert.deepEqual(
-        increasingIdsOf(text),
-        [...expected].sort((s, t) => s - t),
-      );
-    });
-  }
+  assert.equal(data.crossing.pair.intersections, pairs.length);
+  assert.ok(data.crossing.pair.contact_normal.every(Number.isFinite));
+  data.crossing.rows.intersecting[0].forEach((text, side) => {
+    const expected = new Set(pairs.map((pair) => pair[side === 0 ? 'triangle_a' : 'triangle_b']));
+    assert.deepEqual(
+      increasingIdsOf(text),
+      [...expected].sort((s, t) => s - t),
+    );
+  });
   const { clash, intersecting } = data.pairs.rows;
   assert.deepEqual(clash, ['hard_clash', 'hard_clash', 'clear', 'surfaces_meet']);
   assert.deepEqual(
