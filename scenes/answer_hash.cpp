@@ -315,8 +315,8 @@ void ask_scenes(Hashes& hashes, std::uint32_t scale) {
     digest.answer(one.object, one.result);
     const ObjectImpactResult hit = scene.time_of_impact(b, RigidMotion(random_pose(rng, 8), random_pose(rng, 8)));
     digest.answer(hit.object, hit.result);
-    std::vector<Transform> poses;
-    for (int k = 0; k < 24; ++k) poses.push_back(random_pose(rng, 4));
+    std::vector<Transform> poses(24);
+    for (Transform& there : poses) there = random_pose(rng, 4);
     std::vector<ClosestObjectsResult> many(8);
     scene.closest_objects_many(std::span(ids).first(3), poses, many);
     for (const ClosestObjectsResult& r : many) digest.answer(r.objects, r.result);

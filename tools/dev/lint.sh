@@ -26,10 +26,11 @@ check_tidy() {
   if [[ -n $deep ]]; then preset=dev checks=''; fi
   while IFS= read -r -d '' file; do
     case $file in
+      clients/program/tests/*) ;;
       src/* | scenes/* | clients/program/* | examples/* | python/src/*) patterns+=("/${file//./\\.}\$") ;;
     esac
   done < <(cpp_files)
-  patterns+=('/build/checked/(src|scenes|clients|examples|python)/.*/(limber|limber_.*|example_[0-9].*)\.dir/Unity/')
+  patterns+=('/build/checked/((src|scenes|examples|python)/.*|clients/program/CMakeFiles)/(limber|limber_.*|example_[0-9].*)\.dir/Unity/')
   configure "$preset" -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python" >/dev/null || return 1
   build "$preset" --target limber_python_docstrings >/dev/null || return 1
   run-clang-tidy -quiet -j "$jobs" -p "build/$preset" "-checks=$checks" "${patterns[@]}" 2>&1 |
