@@ -37,7 +37,6 @@ class Digest {
   }
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
   void add(const Vec3& v) { add(v.x), add(v.y), add(v.z); }
-  void add(const Transform& t) { add(t.rotation.row0), add(t.rotation.row1), add(t.rotation.row2), add(t.translation); }
   void add(const Feature& f) { add(f.kind), add(f.index); }
   template <typename T>
   void add(const std::optional<T>& value) {
@@ -146,7 +145,7 @@ void ask_with_caches(Hashes& hashes, std::uint32_t scale) {
   for (const Pair& p : pairs()) {
     QueryCache cache;
     for (std::uint32_t i = 0; i < 20 * scale; ++i) {
-      // Eight small steps, then a jump.
+      // Each pose is asked about twice, a small step apart; the next one is a jump away.
       const Transform from = random_pose(rng, p.reach);
       const Vec3 step = random_point(rng, 0.01);
       const QueryBudget budget{.max_steps = i % 5 == 4 ? rng.below(100) : QueryBudget{}.max_steps};

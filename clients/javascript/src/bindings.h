@@ -26,7 +26,7 @@ namespace limber::web {
 /// Makes a function callable from JavaScript.
 #define LIMBER_EXPORT(name) extern "C" __attribute__((export_name(#name)))
 
-/// What JavaScript owns, knows by its address, and frees with release().
+/// An object that JavaScript owns, knows by its address, and frees with release().
 struct Owner {
   virtual ~Owner() = default;
 };
@@ -37,7 +37,7 @@ struct Owned final : Owner, T {
   explicit Owned(Arguments&&... arguments) : T(std::forward<Arguments>(arguments)...) {}
 };
 
-/// What a query may be about: a model or a shape.
+/// The body that a query is about: a model or a shape.
 struct OwnedBody : Owner {
   virtual Body body() const = 0;
 };
@@ -130,7 +130,7 @@ bool guarded(const Body& body) {
   return false;
 }
 
-/// What make() has made; null if it has thrown.
+/// Calls make() and returns the object that it has made, or null if it has thrown.
 template <typename Make>
 auto made(const Make& make) -> decltype(make()) {
   decltype(make()) owned = nullptr;

@@ -25,7 +25,8 @@ std::size_t position_bytes(std::size_t count, bool is_float32) {
   return 3 * count * (is_float32 ? sizeof(float) : sizeof(double));
 }
 
-/// What make() returns; null if it has thrown. Gives the radius, and whether it is a solid.
+/// Calls make() and returns the shape that it has made, or null if it has thrown. Gives the radius of the shape, and
+/// whether it is a solid.
 template <typename Make>
 OwnedBody* made_shape(const Make& make) {
   return made([&] {

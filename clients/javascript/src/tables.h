@@ -21,7 +21,7 @@
 #include "limber/points.h"
 
 /// How answers go to JavaScript: as tables of columns, one column after the other, each at a multiple of eight bytes.
-/// What is listed here is the only list of columns: JavaScript reads it from the module, and names arrays as it does.
+/// The only list of columns. JavaScript reads it from the module, and names arrays as it does.
 namespace limber::web {
 
 /// A column: its name in JavaScript, and which part of an answer it has.

@@ -20,7 +20,7 @@ using namespace limber;
 using namespace limber::web;
 using scenes::Rng;
 
-/// What is asked about is a model, by its place; or a shape, by this and its place.
+/// A query names a model by its place, and a shape by this number plus its place.
 constexpr std::size_t first_shape = 1000;
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
@@ -158,7 +158,7 @@ class Recorder {
     write("setMotion", {m}, {numbers_of(positions, is_float32)}, {{"startPose", of(start)}, {"endPose", of(end)}});
     moving_[m].set_motion(positions, start, end).value();
   }
-  /// Of two models, and of the first with itself.
+  /// Records the first impact of two models, and that of the first model with itself.
   void impacts(std::size_t a, std::size_t b, ImpactOptions options, std::uint64_t max_steps = unlimited) {
     options.budget = {.max_steps = max_steps};
     const json given{{"maxTime", options.max_time},
