@@ -58,10 +58,10 @@ CollideResult collide_at_start(const MovingPair& models, const ImpactOptions& op
 /// The first impact, on one thread.
 FoundImpact find_first(const MovingPair& models, const ImpactOptions& options) {
   FirstImpact collector(options);
-  ImpactSearch<FirstImpact> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);
-  search.run(meter);
-  return {collector, search.first_open_time(), meter.stopped_by(), search.stats};
+  ImpactSearch<FirstImpact> search(models, options.min_separation, collector, meter);
+  search.run();
+  return {collector, search.first_open_time(), meter.stopped_by(), search.stats()};
 }
 
 ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options) {
@@ -91,11 +91,11 @@ template <typename Collector, typename Visitor>
 PairCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
   if (pair::runs_in_parallel(options)) return visit_in_parts(models, options, visit);
   Collector collector(options, visit);
-  ImpactSearch<Collector> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);
-  search.run(meter);
+  ImpactSearch<Collector> search(models, options.min_separation, collector, meter);
+  search.run();
   const bool is_complete = !collector.is_done() && meter.stopped_by() == StoppedBy::nothing;
-  return {collector.count, is_complete, meter.stopped_by(), search.stats};
+  return {collector.count, is_complete, meter.stopped_by(), search.stats()};
 }
 
 }  // namespace

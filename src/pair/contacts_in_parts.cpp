@@ -18,8 +18,8 @@ template <typename Collector, typename Pair, typename Make>
 PairCount count_in_parts(const pair::PlacedPair& placed, const Make& make_collector,
                          FunctionRef<bool(const Pair&)> visit, const QueryBudget& budget) {
   PairCount result;
-  const auto parts = pair::search_all_in_parts<Collector, base::ListFiller<Pair>>(
-      placed, make_collector, [](Collector&) {}, budget, result.stats);
+  const auto parts =
+      pair::search_all_in_parts<Collector, base::ListFiller<Pair>>(placed, make_collector, budget, result.stats);
   pair::visit_found(parts, visit, result);
   return result;
 }
@@ -67,7 +67,7 @@ bool any_in_parts(const pair::PlacedPair& placed, const Pairs& pairs, const Quer
   using Collector = AnyIntersection<Pairs>;
   std::atomic<bool> has_found = false;
   pair::search_all_in_parts<Collector, Nothing>(
-      placed, [&](Nothing&) { return Collector(pairs, has_found); }, [](Collector&) {}, budget, stats);
+      placed, [&](Nothing&) { return Collector(pairs, has_found); }, budget, stats);
   return has_found;
 }
 

@@ -13,7 +13,7 @@ namespace limber::pair {
 /// the nearest pair of all.
 ///
 /// Best first comes to leaves late, so the upper bound would stay loose for long. So a traversal begins with a descent,
-/// and descends again from time to time (docs/design/fast_engine.md).
+/// and descends again from time to time (docs/design/one_query.md).
 class Descents {
  public:
   bool is_descending() const { return descends_; }

@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include "base/check.h"
 #include "bvh/tree.h"
-#include "pair/bucket_queue.h"
-#include "pair/common_vertices.h"
+#include "pair/node_pair.h"
 #include "pair/placed_pair.h"
 #include "simd/kernels.h"
 
@@ -39,11 +37,11 @@ class TreePair {
   bool are_leaves(const NodePair& pair) const { return is_leaf(Side::a, pair) && is_leaf(Side::b, pair); }
 
   /// The slot of the leaf that such a slot has or stands for. Pre: is_leaf().
-  bvh::SlotId leaf_slot(Side s, const NodePair& pair) const {
+  [[gnu::always_inline]] bvh::SlotId leaf_slot(Side s, const NodePair& pair) const {
     LIMBER_ASSERT(is_leaf(s, pair));
     return bvh::first_leaf_slot(placed_.tree(s), pair.slot[index(s)]);
   }
-  const bvh::Leaf& leaf(Side s, const NodePair& pair) const {
+  [[gnu::always_inline]] const bvh::Leaf& leaf(Side s, const NodePair& pair) const {
     return bvh::leaf_of(placed_.tree(s), leaf_slot(s, pair));
   }
 
@@ -66,50 +64,7 @@ class TreePair {
     return {&tree.nodes[bvh::node_of(slot)], bvh::slot_of(slot), &bvh::leaf_of(tree, slot).corners};
   }
 
-  /// How much the bound of a slot leaves open: half the thickness of its slab, and a little of its radius. Of two nodes
-  /// the one of higher priority is expanded.
-  double split_priority(Side s, const NodePair& pair) const {
-    const bvh::SlotId slot = pair.slot[index(s)];
-    const bvh::Tree& tree = placed_.tree(s);
-    const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
-    const std::uint32_t k = bvh::slot_of(slot);
-    return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + share_of_radius * n.radius[k]);
-  }
-
-  struct Choice {
-    Side side;             ///< whose node is expanded
-    bool triangles_first;  ///< whether the other node would be, by its priority, but is a leaf, and the bound is loose
-  };
-  /// Chooses the node of higher split priority, if it can be expanded. If it is a leaf, and the bound of the pair is
-  /// small next to that priority, its triangles, one by one, tell more than the children of the other node do.
-  /// Pre: are_leaves() is false.
-  [[gnu::always_inline]] Choice choose(const NodePair& pair) const {
-    const double priority_a = split_priority(Side::a, pair), priority_b = split_priority(Side::b, pair);
-    const bool is_a_first = priority_a >= priority_b;
-    // Bitwise: branches here would be mispredicted.
-    const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
-    const bool is_a = (static_cast<int>(is_a_first) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
-    const double loose = loose_priorities * std::max(priority_a, priority_b) / tree(Side::a).unit;
-    const bool is_loose = static_cast<double>(pair.bound_sq) < loose * loose;
-    return {is_a ? Side::a : Side::b, is_a != is_a_first && is_loose};
-  }
-
-  /// For one model: whether all triangles below two slots share a vertex or an edge, as those of a fan or a book do,
-  /// and have nothing else in common, so that they need not be compared. Leaves are too small for this test to pay.
-  /// Under a pose nothing is said: the test does not know by how much placing rounds.
-  bool share_and_are_apart(const NodePair& pair, Apart what, double margin) const {
-    if (!placed_.is_placed_exactly()) return false;
-    const bvh::Tree& tree = placed_.tree(Side::a);
-    if (bvh::has_leaf(tree, pair.slot[0]) || bvh::has_leaf(tree, pair.slot[1])) return false;
-    return pair::share_and_are_apart(placed_, pair.slot[0], pair.slot[1], what, margin);
-  }
-
  private:
-  static constexpr float share_of_radius = 0.01F;  // (docs/algorithms/traversal.md)
-  // A bound below that many times the priority of a leaf is loose. With 1, distances in a room and a maze take twice as
-  // long; without a limit, those of a ball far over a square take 1.17 times as long.
-  static constexpr double loose_priorities = 2;
-
   /// All leaves but the last are full (I2).
   std::uint32_t triangle_count(Side s, const bvh::Leaf& leaf) const {
     const auto& leaves = placed_.tree(s).leaves;
