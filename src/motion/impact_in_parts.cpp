@@ -10,7 +10,6 @@
 
 #include "base/parallel.h"
 #include "motion/impact_search.h"
-#include "pair/contacts_in_parts.h"
 #include "pair/parts.h"
 
 namespace limber {

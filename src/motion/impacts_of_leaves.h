@@ -13,8 +13,8 @@
 #include "base/check.h"
 #include "limber/distance.h"
 #include "motion/moving_bounds.h"
+#include "motion/moving_elements.h"
 #include "motion/moving_pair.h"
-#include "motion/moving_vectors.h"
 #include "pair/budget_meter.h"
 #include "simd/kernels.h"
 

@@ -13,7 +13,7 @@
 #include "motion/impact_in_parts.h"
 #include "motion/impact_search.h"
 #include "motion/moving_pair.h"
-#include "pair/contacts_in_parts.h"
+#include "pair/parts.h"
 
 namespace limber {
 namespace motion {

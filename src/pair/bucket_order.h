@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "pair/collectors/collector.h"
-#include "pair/expansion.h"
+#include "pair/node_pair.h"
 #include "pair/pruning.h"
 #include "pair/squared_limits.h"
 #include "pair/traversal_state.h"

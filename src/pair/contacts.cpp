@@ -15,8 +15,8 @@
 #include "pair/collectors/closest_pairs.h"
 #include "pair/collectors/pairs_within.h"
 #include "pair/collectors/self_pairs.h"
-#include "pair/contacts_in_parts.h"
 #include "pair/distance_answer.h"
+#include "pair/parts.h"
 #include "pair/placed_self_intersections.h"
 #include "pair/search.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pair/contacts_in_parts.h"
+#include "pair/parts.h"
 
 #include <atomic>
 #include <limits>

@@ -10,7 +10,7 @@
 #include "base/span_filler.h"
 #include "limber/elements.h"
 #include "pair/collectors/elements_within.h"
-#include "pair/contacts_in_parts.h"
+#include "pair/parts.h"
 #include "pair/search.h"
 
 namespace limber {

@@ -9,8 +9,8 @@
 #include <span>
 
 #include "base/check.h"
-#include "pair/expansion.h"
 #include "pair/front.h"
+#include "pair/node_pair.h"
 #include "pair/pruning.h"
 #include "pair/squared_limits.h"
 

@@ -8,7 +8,7 @@
 #include "base/check.h"
 #include "pair/collectors/collector.h"
 #include "pair/common_vertices.h"
-#include "pair/expansion.h"
+#include "pair/node_pair.h"
 #include "pair/pair_walk.h"
 #include "pair/search_context.h"
 #include "pair/squared_limits.h"
@@ -94,9 +94,6 @@ class NodeBounds {
   NodePair child_pair(const Expansion& e, std::uint32_t child) const {
     return e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
   }
-
-  static constexpr bool opens_itself(const NodePair&) { return false; }
-  static constexpr std::uint32_t opened_by_itself(const NodePair&) { return 0; }
 
  private:
   static constexpr float share_of_radius = 0.01F;  // (docs/algorithms/traversal.md)

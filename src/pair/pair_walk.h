@@ -166,9 +166,11 @@ class PairWalk {
       compare_leaves(e.pair);
       return false;
     }
-    if (bounds_.opens_itself(e.pair)) {
-      add_siblings(bounds_.opened_by_itself(e.pair));
-      return false;
+    if constexpr (requires { bounds_.opens_itself(e.pair); }) {
+      if (bounds_.opens_itself(e.pair)) {
+        add_siblings(bounds_.opened_by_itself(e.pair));
+        return false;
+      }
     }
     const Next next = bounds_.template open<Order::raises>(e, apart);
     if (next == Next::pruned) {
