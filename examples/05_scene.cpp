@@ -35,7 +35,7 @@ int main() {
     }
     distances.resize(found.count);
     const std::span<const limber::ObjectPair> candidates(pairs.data(), found.count);
-    scene.distance(candidates, distances, {.max_distance = 0.1, .cache = &cache});  // on all threads
+    scene.distance(candidates, distances, {.distance = {.max_distance = 0.1}, .cache = &cache});  // on all threads
     for (const limber::DistanceResult& d : distances) contacts += d.status == limber::DistanceStatus::collision ? 1 : 0;
     pairs_asked += found.count;
   }

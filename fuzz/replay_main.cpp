@@ -1,14 +1,19 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Runs a fuzz target on files, and on every file of folders, without libFuzzer: fuzz_<target> PATH...
+// Runs a fuzz target on files, on every file of folders, and on so many random inputs, without libFuzzer:
+// fuzz_<target> [--random N] PATH...
 // Exit code 0 when all properties hold, 2 when there is no input or one cannot be read.
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fuzz/property.h"
@@ -33,9 +38,27 @@ std::vector<fs::path> inputs_below(int count, char** arguments) {
   return inputs;
 }
 
+/// The same inputs on each machine, some of them too short for all that they stand for.
+void run_random(int count) {
+  constexpr std::size_t longest = 500;
+  for (int seed = 0; seed < count; ++seed) {
+    std::mt19937 random(static_cast<std::uint32_t>(seed));
+    std::vector<std::uint8_t> bytes(random() % longest);
+    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    std::printf("random input %d (%zu bytes)\n", seed, bytes.size());
+    std::fflush(stdout);  // names the input that ends the process
+    LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
+  if (count > 2 && arguments[1] == std::string_view("--random")) {
+    run_random(std::atoi(arguments[2]));
+    if (count == 3) return 0;
+    count -= 2, arguments += 2;
+  }
   const std::vector<fs::path> inputs = inputs_below(count, arguments);
   for (const fs::path& path : inputs) {
     std::ifstream file(path, std::ios::binary);

@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 namespace limber::scenes {
@@ -17,9 +15,7 @@ namespace {
 
 using std::numbers::pi;
 constexpr std::uint64_t pose_seed = 0x5EED0001;
-constexpr std::uint64_t dent_seed = 0x5EED0003;
 constexpr std::uint64_t linked_ring_seed = 0x5EED0004;
-constexpr int dents_of_dented = 200;
 
 /// Not FNV's own start, 14695981039346656037, but that number without its last digit, with which the published hashes
 /// of these meshes were made. Any start serves.
@@ -55,60 +51,6 @@ Vec3 drawn_point(Draw draw) {
   const double y = draw();
   const double z = draw();
   return {x, y, z};
-}
-
-Mesh dented_sheet(std::uint64_t seed) {
-  Mesh sheet = thesis_sheet();
-  Rng rng(seed);
-  for (int step = 0; step < dents_of_dented; ++step) {
-    const VertexMoves moves = dent_moves(random_dent(rng), sheet.positions());
-    for (std::size_t i = 0; i < moves.ids.size(); ++i) sheet.set_position(moves.ids[i], moves.positions[i]).value();
-  }
-  return sheet;
-}
-
-struct NamedScene {
-  const char* name;
-  bool takes_number;
-  std::uint64_t default_number;
-  Mesh (*make)(std::uint64_t number);
-};
-
-constexpr std::array<NamedScene, 7> named_scenes = {{
-    {"square", false, 0, [](std::uint64_t) { return thesis_square(); }},
-    {"ball", false, 0, [](std::uint64_t) { return thesis_ball(); }},
-    {"sheet", false, 0, [](std::uint64_t) { return thesis_sheet(); }},
-    {"dented", true, dent_seed, [](std::uint64_t seed) { return dented_sheet(seed); }},
-    {"wave", true, 0, [](std::uint64_t frame) { return wave_sheet(100, 100, static_cast<double>(frame)); }},
-    {"soup", true, 1,
-     [](std::uint64_t seed) {
-       Rng rng(seed);
-       return random_soup(rng, 1000, 0.2);
-     }},
-    {"lattice", true, 1,
-     [](std::uint64_t seed) {
-       Rng rng(seed);
-       return lattice_soup(rng, 200, 4);
-     }},
-}};
-
-Error no_such_scene(const std::string& name) {
-  std::string text = "no scene is called '" + name + "'; there are";
-  const char* separator = " ";
-  for (const NamedScene& scene : named_scenes) {
-    text += std::exchange(separator, ", ");
-    text += scene.name;
-    if (scene.takes_number) text += "[:number]";
-  }
-  return {ErrorCode::unsupported_format, std::move(text), std::nullopt};
-}
-
-std::optional<std::uint64_t> parsed_number(const std::string& text) {
-  std::uint64_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc{} || stop != end) return std::nullopt;
-  return number;
 }
 
 }  // namespace
@@ -273,18 +215,6 @@ Mesh lattice_soup(Rng& rng, std::uint32_t triangles, std::uint32_t side) {
     for (Vec3& corner : corners) corner = drawn_point([&] { return static_cast<double>(rng.below(side)); });
     return corners;
   });
-}
-
-Result<Mesh> by_name(const std::string& name) {
-  const std::size_t colon = name.find(':');
-  const std::string base = name.substr(0, colon);
-  for (const NamedScene& scene : named_scenes) {
-    if (base != scene.name) continue;
-    if (colon == std::string::npos) return scene.make(scene.default_number);
-    const std::optional<std::uint64_t> number = parsed_number(name.substr(colon + 1));
-    if (scene.takes_number && number) return scene.make(*number);
-  }
-  return no_such_scene(name);
 }
 
 Transform ball_over_square(const Mesh& ball, double separation, std::uint32_t index) {

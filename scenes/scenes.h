@@ -4,12 +4,11 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "limber/mesh.h"
 
-/// Deterministic meshes, poses and deformations, the same for tests, benchmarks and the program.
+/// Deterministic meshes, poses and deformations, the same for tests and benchmarks.
 ///
 /// Every number comes from IEEE + - * / sqrt and a seeded generator, so a scene is equal to the bit on every machine.
 namespace limber::scenes {
@@ -71,16 +70,6 @@ Mesh random_soup(Rng& rng, std::uint32_t triangles, double size);
 ///
 /// Pre      triangles >= 1; side >= 1.
 Mesh lattice_soup(Rng& rng, std::uint32_t triangles, std::uint32_t side);
-
-/// A mesh by its name. Some names take a number after a colon.
-///
-/// `square`, `ball`, `sheet`   the thesis meshes above; no number
-/// `dented:S`                  the sheet after 200 random dents from seed S, 0x5EED0003 when left out
-/// `wave:F`                    wave_sheet(100, 100, F), 20 000 triangles, F = 0 when left out
-/// `soup:S`, `lattice:S`       1000 random triangles of size 0.2, 200 lattice triangles of side 4, S = 1 when left out
-///
-/// Errors   `unsupported_format` naming the scenes there are.
-Result<Mesh> by_name(const std::string& name);
 
 /// Pose number `index` of the ball over the square: the lowest vertex is `separation` above the plane z = 0, so the
 /// exact distance is the separation, and the models meet exactly when it is <= 0 up to the rounding of the placement.

@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = ROOT / "docs/site"
 FOLDERS = ("docs", "include", "examples", "python", "bench", "tests/data", "tools")
-SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".txt", ".svg", ".png", ".ipynb")
+SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".txt", ".png", ".ipynb")
 DOXYFILE = """
 PROJECT_NAME = limber
 INPUT = {headers}

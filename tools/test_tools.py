@@ -61,7 +61,7 @@ class Layers(Repository):
             ("src/io/a.cpp", "<nlohmann/json.hpp>"),
             ("src/io/file_bytes.cpp", "<fcntl.h>"),
             ("src/geometry/exact_sign.cpp", "<boost/multiprecision/cpp_int.hpp>"),
-            ("src/motion/polynomial.h", "<boost/multiprecision/cpp_int.hpp>"),
+            ("src/geometry/integers.h", "<boost/multiprecision/cpp_int.hpp>"),
             ("include/limber/mesh.h", "limber/base.h"),
             ("include/limber/mesh.h", "<vector>"),
             ("include/limber/eigen.h", "<Eigen/Core>"),
@@ -103,6 +103,8 @@ class Layers(Repository):
             ("src/model/a.cpp", "limber/eigen.h"),
             ("include/limber/mesh.h", "limber/no_such.h"),
             ("clients/program/a.cpp", "bench/support/b.h"),
+            ("clients/program/a.cpp", "reference/reference.h"),
+            ("clients/program/tests/a.cpp", "scenes/scenes.h"),
             ("scenes/a.cpp", "bench/support/b.h"),
         ):
             with self.subTest(path=path, target=target):
@@ -111,12 +113,10 @@ class Layers(Repository):
 
 class Texts(Repository):
     BIB = {"docs/references.bib": "@article{Euler1999,\n title = {x}\n}\n"}
-    SHORT = {f"src/base/file{i}.cpp": HEAD for i in range(10)}
 
     def test_what_is_sound(self) -> None:
-        self.assert_sound(check_text.check, self.SHORT | self.BIB | {
-            "tests/unit/long.cpp": HEAD + "\n" * 500,  # one in ten
-            "src/base/b.h": HEAD + "// TODO(#12): that\n// " + 117 * "a" + "\n",
+        self.assert_sound(check_text.check, self.BIB | {
+            "src/base/b.h": HEAD + "// " + 117 * "a" + "\n" * 400,
             "src/base/a.cpp": "// std::cout, [Euler1999], see docs/a.md\nint x = y[A1999x];\nf(\"printf()\");\nsnprintf(b, n, f);\n"
                               "static_assert(true);\nssize_t exit_code();\n",
             "docs/a.md": "# A b\n[b](b/b.md#c-d) [web](https://example.org/x.md) `[code](nowhere)` [self](#a-b)\n",
@@ -124,27 +124,22 @@ class Texts(Repository):
         })
 
     def test_what_is_not(self) -> None:
-        long = {f"tests/unit/long{i}.cpp": HEAD + "\n" * 500 for i in range(2)}
         cases = [
-            (long, ("tests/unit/long0.cpp:502: ", "tests/unit/long1.cpp:502: ")),
-            ({"tests/unit/huge.cpp": HEAD + "\n" * 800}, ("tests/unit/huge.cpp:802: ",)),
-            ({"docs/a.md": "\n\nFIXME\n"}, ("docs/a.md:3: ",)),
-            ({"src/base/b.h": HEAD + "// " + 118 * "a" + "\n"}, ("src/base/b.h:3: 121 ",)),
-            (self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}, ("src/a.cpp:2: [Gauss1988] ",)),
-            (self.BIB, ("docs/references.bib:1: Euler1999 is cited nowhere",)),
-            ({"docs/references.bib": self.BIB["docs/references.bib"] * 2, "a.md": "[Euler1999]\n"}, ("docs/references.bib:1: ",)),
-            ({"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, ("src/a.h:2: docs/alg",)),
+            ({"tests/unit/huge.cpp": HEAD + "\n" * 800}, "tests/unit/huge.cpp:803: "),
+            ({"docs/a.md": "\n\nFIXME\n"}, "docs/a.md:3: "),
+            ({"src/base/b.h": HEAD + "// " + 118 * "a" + "\n"}, "src/base/b.h:3: 121 "),
+            (self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}, "src/a.cpp:2: [Gauss1988] "),
+            (self.BIB, "docs/references.bib:1: Euler1999 is cited nowhere"),
+            ({"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, "src/a.h:2: docs/alg"),
         ]
-        cases += [({"src/base/b.cpp": HEAD + text + "\n"}, ("src/base/b.cpp:3: ",))
+        cases += [({"src/base/b.cpp": HEAD + text + "\n"}, "src/base/b.cpp:3: ")
                   for text in ("std::cout << 1;", 'printf("");', "#include <iostream>", "std::abort();", "assert(x);")]
-        cases += [({"docs/a.md": f"\n{link}\n"}, ("docs/a.md:2: link ",))
-                  for link in ("[a](no.md)", "![a](no.svg)", "[a]: no.md", '<img src="no.png">', "[a](#no)", "[a](../../etc)")]
-        for more, starts in cases:
-            with self.subTest(starts=starts, more=more):
-                self.assert_faulty(check_text.check, self.SHORT | more, *starts)
+        cases += [({"docs/a.md": f"\n{link}\n"}, "docs/a.md:2: link ")
+                  for link in ("[a](no.md)", "[a]: no.md", '<img src="no.png">', "[a](#no)", "[a](../../etc)")]
+        for tree, start in cases:
+            with self.subTest(start=start, tree=tree):
+                self.assert_faulty(check_text.check, tree, start)
 
-
-class Text(Repository):
     def test_code_keeps_places_and_loses_comments(self) -> None:
         text = "a = \"//x\"; // b\n/* c\n */ d = 1'000 + '\\''; R\"(\n\")\" e\n"
         code = cpp_code(text)
@@ -152,15 +147,11 @@ class Text(Repository):
         self.assertEqual([len(line) for line in code.split("\n")], [len(line) for line in text.split("\n")])
 
     def test_build_trees_are_left_out(self) -> None:
-        tree = {"build/a.cpp": "", "build-x/a.cpp": "", ".git/a.cpp": "", ".ci/run": "", "src/a.cpp": ""}
-        seen: list[str] = []
-
-        def look(root: Path) -> list[Finding]:
-            seen.extend(path.relative_to(root).as_posix() for path in files(root))
-            return []
-
-        self.findings(look, tree)
-        self.assertEqual(seen, [".ci/run", "src/a.cpp"])
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("build/a.cpp", "build-x/a.cpp", ".git/a.cpp", ".ci/run", "src/a.cpp"):
+                Path(folder, name).parent.mkdir()
+                Path(folder, name).touch()
+            self.assertEqual([path.relative_to(folder).as_posix() for path in files(Path(folder))], [".ci/run", "src/a.cpp"])
 
 
 class Mutants(unittest.TestCase):
@@ -172,11 +163,9 @@ class Mutants(unittest.TestCase):
             table.write_text("".join("[[mutant]]\n" + "\n".join(lines) + "\n" for lines in fields), encoding="utf-8")
             mutants.check(Path(folder), mutants.load(table))
 
-    def test_text_that_occurs_once_is_replaced(self) -> None:
-        self.check("x < y", {"name": "m", "file": "a.cpp", "find": "<", "replace": "<="})
-
     def test_stale_mutants_are_refused(self) -> None:
         mutant = {"name": "m", "file": "a.cpp", "find": "<", "replace": "<="}
+        self.check("x < y", mutant)
         for text, entries in (
             ("x > y", [mutant]),
             ("x < y < z", [mutant]),
@@ -187,6 +176,8 @@ class Mutants(unittest.TestCase):
         ):
             with self.assertRaises(mutants.Unusable):
                 self.check(text, *entries)
+        with self.assertRaises(mutants.Unusable):
+            mutants.Mutant("m", "a.cpp", "<", "<=", (), 2).applied_to("x > y")
 
 
 class RandomMutants(unittest.TestCase):
@@ -194,7 +185,6 @@ class RandomMutants(unittest.TestCase):
 template <int n = 3>
 struct S {
   alignas(16) float v[9][width];  // 3
-  std::array<float, 3> w;
 };
 double f(const T& x, T* y, double&& z) {
   LIMBER_ASSERT(x < 1 &&
@@ -202,18 +192,15 @@ double f(const T& x, T* y, double&& z) {
   if (x < 100) return std::min(0x1p-3F, "a < 2"[n]);
   const float* const ends[2] = {y, z};
   at[0] += z;
-  if (const auto q = g(x); q) return std::numeric_limits<T>::max() - 0.0;
 }
 Packet max(Packet a);
 """
 
     def changed_lines(self, text: str) -> list[str]:
-        lines = text.split("\n")
         found = []
         for at, old, new in random_faults.changes(text):
             changed = mutants.Mutant("m", "a.cpp", old, new, (), at).applied_to(text).split("\n")
-            self.assertEqual(len(changed), len(lines))
-            (line,) = [after for before, after in zip(lines, changed, strict=True) if before != after]
+            (line,) = [after for before, after in zip(text.split("\n"), changed, strict=True) if before != after]
             found.append(line.strip())
         return found
 
@@ -226,15 +213,9 @@ Packet max(Packet a);
             'if (!(x < 100)) return std::min(0x1p-3F, "a < 2"[n]);',
             "at[1] += z;",
             ";",
-            "if (const auto q = g(x); q) return std::numeric_limits<T>::max() + 0.0;",
-            "if (const auto q = g(x); q) return std::numeric_limits<T>::max() - 1.0;",
         ])
-
-    def test_integers_are_changed_by_one(self) -> None:
-        for text, changed in (("x(1U)", ["x(0U)", "x(2U)"]), ("x(0)", ["x(1)"]), ("x(0xff, 64, 1'000, p1, 17)", [])):
+        for text, changed in (("x(1U)", ["x(0U)", "x(2U)"]), ("x(0)", ["x(1)"]), ("x(0.0)", ["x(1.0)"]), ("x(0xff, 64, 1'000, p1, 17)", [])):
             self.assertEqual(self.changed_lines(text), changed)
-
-    def test_every_operator_is_replaced(self) -> None:
         for old, new in random_faults.OPERATORS.items():
             self.assertEqual(self.changed_lines(f"a {old} b"), [f"a {new} b"])
 
@@ -246,55 +227,37 @@ Packet max(Packet a);
             every = mutants.mutations(Path(folder), ["*"])
             self.assertEqual({m.file: m.tests for m in every},
                              {"src/pair/a.h": mutants.DEFAULT_TESTS, "src/io/b.cpp": ("io",)})
-            self.assertEqual(len(every), 18)
-            self.assertIn("src/pair/a.h:10:9: < becomes <=", [m.name for m in every])
+            self.assertIn("src/pair/a.h:9:9: < becomes <=", [m.name for m in every])
             some = mutants.draw(every, 5, 1)
             self.assertEqual(some, mutants.draw(every, 5, 1))
             self.assertNotEqual(some, mutants.draw(every, 5, 2))
             self.assertEqual(len({m.name for m in some}), 5)
-            self.assertCountEqual(mutants.draw(every, 99, 1), every)
             self.assertEqual({m.file for m in mutants.mutations(Path(folder), ["src/io/*"])}, {"src/io/b.cpp"})
-
-    def test_a_changed_file_is_refused(self) -> None:
-        with self.assertRaises(mutants.Unusable):
-            mutants.Mutant("m", "a.cpp", "<", "<=", (), 2).applied_to("x > y")
 
 
 class Docs(unittest.TestCase):
-    HEADER = """#include <vector>
-
-/// About the header.
-///
-/// Order    As it comes.
+    HEADER = """/// About the header.
 namespace limber {
 
-/// A class.
 class Model {
  public:
   /// For the library's own use.
   struct Impl;
-  const Impl& impl() const;
 
   /// Public, see docs/algorithms/bounds.md.
   ///
-  /// Cost     O(1),
-  ///          always.
+  /// Cost     O(1).
   void commit();
 
  private:
   int secret_;
 };
-
-int after();
 """
 
     def test_what_doxygen_reads(self) -> None:
         text = doxygen_filter.for_doxygen(self.HEADER)
-        self.assertIn("/// @file\n/// About the header.", text)
-        self.assertIn("/// @par Order\n/// As it comes.", text)
-        self.assertIn("  /// @par Cost\n  /// O(1),\n", text)
-        self.assertIn('<a href="../../docs/algorithms/bounds.html">docs/algorithms/bounds.md</a>', text)
-        for kept in ("/// A class.", "class Model {", "void commit();", "int after();"):
+        for kept in ("/// @file\n/// About the header.", "  /// @par Cost\n  /// O(1).\n", "class Model {", "void commit();",
+                     '<a href="../../docs/algorithms/bounds.html">docs/algorithms/bounds.md</a>'):
             self.assertIn(kept, text)
         for left_out in ("secret_", "Impl", "private"):
             self.assertNotIn(left_out, text)

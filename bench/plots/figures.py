@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import matplotlib
@@ -11,6 +12,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator  # noqa: E402
+from PIL import Image  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -31,8 +33,7 @@ STYLE = {
     "axes.axisbelow": True,
     "lines.linewidth": 1.6,
     "lines.markersize": 3.5,
-    "svg.hashsalt": "limber",  # the same results give the same file
-    "svg.fonttype": "path",
+    "savefig.dpi": 120,
     "figure.facecolor": "white",
 }
 
@@ -90,7 +91,9 @@ def save(figure, name: str, title: str, **layout) -> None:
     """Writes the figure of that name for the pages."""
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
     figure.tight_layout(rect=(0, 0, 1, 0.985), **layout)
-    target = ROOT / f"docs/images/{name}.svg"
-    figure.savefig(target, metadata={"Date": None})
+    target = ROOT / f"docs/images/{name}.png"
+    pixels = io.BytesIO()
+    figure.savefig(pixels)
+    Image.open(pixels).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(target, optimize=True)
     plt.close(figure)
     print(target)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The figure of ball over square next to other libraries: writes docs/images/peers_queries.svg.
+"""The figure of ball over square next to other libraries: writes docs/images/peers_queries.png.
 
 Takes the folder of results, which has peers.md and machine.txt."""
 

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures that the pages of the classic engine show, from the results of the thesis benchmarks.
 
-Takes the folder of results. Writes docs/images/thesis_queries.svg and docs/images/thesis_updates.svg.
+Takes the folder of results. Writes docs/images/thesis_queries.png and docs/images/thesis_updates.png.
 """
 
 from __future__ import annotations

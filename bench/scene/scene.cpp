@@ -183,7 +183,7 @@ void time_queries(const Mesh& shape, int frames, Checker& checker, Table& text) 
     const std::span<const ObjectPair> found(pairs.data(), count);
     pair_count += static_cast<double>(count) / frames;
     const auto ask = [&](std::vector<DistanceResult>& results, SceneCache* kept) {
-      scene.distance(found, std::span(results).first(count), {.max_distance = margin, .cache = kept});
+      scene.distance(found, std::span(results).first(count), {.distance = {.max_distance = margin}, .cache = kept});
     };
     collide_us.push_back(mean_us(1, [&] { scene.collide(found, std::span(collisions).first(count)); }));
     cold_us.push_back(mean_us(1, [&] { ask(cold, nullptr); }));

@@ -1,36 +1,20 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Builds clients/program/pages/viewer.html, one file with everything inside, which is committed: the program is
-// compiled with it. With --check it writes nothing, and fails where the committed page is not what the sources give.
-import { createHash } from 'node:crypto';
-import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
+// Builds build/pages/viewer.html, one file with everything inside. With --commit the page also takes the place of the
+// committed one, clients/program/pages/viewer.html, with which the program is compiled.
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { build, transform } from 'esbuild-wasm';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const read = (path) => readFileSync(join(here, path), 'utf8');
-const sha256 = (content) => createHash('sha256').update(content).digest('hex');
 
-const target = join(here, '../program/pages/viewer.html');
+/** Which data the page reads. The program says the same in clients/program/reports/page_template.h; a change of what
+ * viewer/data.ts names raises both. */
+const dataFormat = 2;
 const sheets = ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'viewer/page.css'];
-
-/** The digest of all that the viewer is made of; check_pages.cmake computes it too, without npm. */
-function digestOfSources() {
-  const names = readdirSync(here, { recursive: true, withFileTypes: true })
-    .filter((entry) => entry.isFile())
-    .map((entry) =>
-      join(entry.parentPath, entry.name)
-        .slice(here.length + 1)
-        .replaceAll('\\', '/'),
-    )
-    .filter((name) =>
-      /^(viewer|report|replay|study|shared)\/.*\.(ts|css|html)$|^(build\.mjs|package-lock\.json)$/.test(name),
-    );
-  const lines = names.sort().map((name) => `${sha256(readFileSync(join(here, name)))} ${name}\n`);
-  return sha256(lines.join(''));
-}
 
 /**
  * Leaves out the shaders of three.js that draw nothing here, more than a fourth of a page: those of its own materials,
@@ -86,7 +70,7 @@ async function built() {
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
-<meta name="limber-sources" content="${digestOfSources()}">
+<meta name="limber-data" content="${dataFormat}">
 <title>limber</title>
 <link rel="icon" href="data:,">
 <style>${style.code.trim()}</style>
@@ -101,11 +85,7 @@ ${noticesOf([...sheets, ...Object.keys(bundle.metafile.inputs)])}</script>
 `;
 }
 
-const html = await built();
-if (!process.argv.includes('--check')) {
-  writeFileSync(target, html);
-  console.log(`${target}: ${html.length} bytes`);
-} else if (readFileSync(target, 'utf8') !== html) {
-  console.error(`${target} is not what clients/pages gives; run ./dev pages`);
-  process.exitCode = 1;
-}
+const target = join(here, '../../build/pages/viewer.html');
+mkdirSync(dirname(target), { recursive: true });
+writeFileSync(target, await built());
+if (process.argv.includes('--commit')) copyFileSync(target, join(here, '../program/pages/viewer.html'));

@@ -5,44 +5,40 @@
 // demo` for the README and docs/guide/demo.md. Run it by ./dev pages pictures.
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
-import { Folder, launch, limber, open, pages, settled, sheetObj } from './tests/support.mjs';
+import { Session, pages, settled, sheetObj } from './tests/support.mjs';
 
 const images = join(pages, '../../docs/images');
 
-/** Photographs a page in at most 256 colours, which make the file small, and closes it. */
+/** Photographs a page in at most 256 colours, which make the file small. */
 async function photograph(page, name, options) {
   await settled(page);
   await page.screenshot({ path: join(images, name), ...options });
-  await page.close();
   execFileSync('pngquant', ['--force', '--strip', '--ext', '.png', join(images, name)]);
 }
 
 const turn = 2 * Math.PI;
-
-/** A ring between two closed curves of as many points, from one height to another, as STL. */
-function ringStl(outer, inner, low, high) {
-  const facets = [];
-  const quad = (a, b, c, d) => facets.push([a, b, c], [a, c, d]);
-  outer.forEach(([x0, y0], i) => {
-    const next = (i + 1) % outer.length;
-    const [x1, y1] = outer[next];
-    const [[u0, v0], [u1, v1]] = [inner[i], inner[next]];
-    quad([x0, y0, low], [x1, y1, low], [x1, y1, high], [x0, y0, high]);
-    quad([u1, v1, low], [u0, v0, low], [u0, v0, high], [u1, v1, high]);
-    quad([u0, v0, high], [x0, y0, high], [x1, y1, high], [u1, v1, high]);
-    quad([u1, v1, low], [x1, y1, low], [x0, y0, low], [u0, v0, low]);
-  });
-  const vertex = (p) => `vertex ${p.map((c) => c.toPrecision(9)).join(' ')}\n`;
-  const facet = (corners) => `facet normal 0 0 0\nouter loop\n${corners.map(vertex).join('')}endloop\nendfacet\n`;
-  return `solid part\n${facets.map(facet).join('')}endsolid part\n`;
-}
-
 const count = 360;
-const curve = (radius, x = 0, y = 0) =>
-  Array.from({ length: count }, (_, i) => {
-    const angle = (turn * i) / count;
-    return [x + radius(angle) * Math.cos(angle), y + radius(angle) * Math.sin(angle)];
+
+/** A ring between two closed curves, each given by its radius at an angle, from one height to another, as OFF. */
+function ringOff(outer, inner, low, high) {
+  const points = [
+    [outer, low],
+    [outer, high],
+    [inner, high],
+    [inner, low],
+  ].flatMap(([radius, z]) =>
+    Array.from({ length: count }, (_, i) => {
+      const angle = (turn * i) / count;
+      return `${radius(angle) * Math.cos(angle)} ${radius(angle) * Math.sin(angle)} ${z}\n`;
+    }),
+  );
+  const faces = points.map((_, i) => {
+    const next = i - (i % count) + ((i + 1) % count);
+    const across = (v) => (v + count) % points.length;
+    return `4 ${i} ${next} ${across(next)} ${across(i)}\n`;
   });
+  return [`OFF\n${points.length} ${faces.length} 0\n`, ...points, ...faces].join('');
+}
 
 /** Teeth whose flanks take a tenth of the pitch. */
 function tooth(angle) {
@@ -51,54 +47,49 @@ function tooth(angle) {
   return 27 + 5 * rise;
 }
 
-const folder = new Folder();
-process.chdir(folder.path);
-folder.store(
-  'gear.stl',
-  ringStl(
-    curve(tooth),
-    curve(() => 8),
-    -6,
-    6,
-  ),
+const session = new Session();
+const square = (angle) => Math.min(47, 43 / Math.max(Math.abs(Math.cos(angle)), Math.abs(Math.sin(angle))));
+const gear = session.store(
+  'gear.off',
+  ringOff(tooth, () => 8, -6, 6),
 );
-const square = curve((angle) => Math.min(47, 43 / Math.max(Math.abs(Math.cos(angle)), Math.abs(Math.sin(angle)))));
-folder.store(
-  'housing.stl',
-  ringStl(
-    square,
-    curve(() => 33.1, 0.6, 0.25),
-    -8,
-    10,
-  ),
+const housing = session.store(
+  'housing.off',
+  ringOff(square, () => 33.1, -8, 10),
 );
-limber('distance', 'gear.stl', 'housing.stl', '--min-clearance', '0.5', '--json', '--report', 'clearance.html');
+const besides = ['--pose-b', '0.6,0.25,0,1,0,0,0', '--min-clearance', '0.5'];
+session.make('clearance', 'distance', gear, housing, ...besides);
 
-const frameCount = 120;
-const frames = Array.from({ length: frameCount }, (_, f) => {
-  const t = (turn * f) / frameCount;
-  return folder.store(
-    `sheet_${f}.obj`,
-    sheetObj(60, (x, y) => 0.2 * Math.sin(2.2 * x + t) * Math.cos(1.8 * y - 2 * t)),
-  );
+const frames = Array.from({ length: 120 }, (_, f) => {
+  const t = (turn * f) / 120;
+  const height = (x, y) => 0.2 * Math.sin(2.2 * x + t) * Math.cos(1.8 * y - 2 * t);
+  return session.store(`sheet_${f}.obj`, sheetObj(60, height));
 });
 const poses = frames.map((_, f) => {
-  const t = (turn * f) / frameCount;
+  const t = (turn * f) / frames.length;
   return `${1.1 * Math.cos(t)},${1.1 * Math.sin(t)},${1.28 + 0.12 * Math.cos(3 * t)},1,0,0,${t}\n`;
 });
-const moving = ['--b', 'scene:ball', '--poses-b', folder.store('poses.csv', poses.join(''))];
-const asked = ['--relative-error', '0.1', '--contacts', '--margin', '0.05', '--json', '--report', 'replay.html'];
-limber('track', '--a', ...frames, ...moving, ...asked);
+const moving = ['--b', 'scene:ball', '--poses-b', session.store('poses.csv', poses.join(''))];
+session.make(
+  'replay',
+  'track',
+  '--a',
+  ...frames,
+  ...moving,
+  '--relative-error',
+  '0.1',
+  '--contacts',
+  '--margin',
+  '0.05',
+);
 
-/** Of several runs of the demonstration, the page of the least disturbed: its longest time is the shortest. */
-function quietDemo() {
-  const runs = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => {
-    const name = `demo_${i}.html`;
-    const [{ update_us, query_us, rough_query_us }] = limber('demo', '--no-check', '--json', '--report', name);
-    return { name, longest: Math.max(update_us.max, query_us.max, rough_query_us.max) };
-  });
-  return runs.reduce((a, b) => (a.longest < b.longest ? a : b)).name;
-}
+// Of several runs of the demonstration, the page of the least disturbed: its longest time is the shortest.
+const demos = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => {
+  session.make(`demo_${i}`, 'demo', '--no-check');
+  const [{ update_us, query_us, rough_query_us }] = session.answers[`demo_${i}`];
+  return { name: `demo_${i}`, longest: Math.max(update_us.max, query_us.max, rough_query_us.max) };
+});
+const demo = demos.reduce((a, b) => (a.longest < b.longest ? a : b)).name;
 
 /** The picture of the README is the view, with the medians in its corners, and the charts of times; texts of 14 pixels
  * are read where it is shown 400 pixels wide. */
@@ -124,7 +115,7 @@ const demoStyle = `
   .unit { flex-basis: 100%; }
 `;
 
-const browser = await launch();
+await session.launch();
 const show = (page, part) =>
   page.evaluate((part) => {
     const slider = document.getElementById('frame');
@@ -132,42 +123,29 @@ const show = (page, part) =>
     slider.dispatchEvent(new Event('input'));
     document.activeElement.blur();
   }, part);
-/** The upper part of a page, to the end of its pictures. */
-const upperPart = async (name, picture, prepare) => {
-  const page = await open(browser, folder.file(name), { width: 1240, height: 1000 });
-  await prepare(page);
-  const box = await page.locator('.pair').boundingBox();
-  const clip = { x: 0, y: 0, width: 1240, height: Math.ceil(box.y + box.height + 20) };
-  await photograph(page, picture, { fullPage: true, clip });
+/** The part of a page from its top to the end of an element. */
+const upperPart = (name, picture, selector, prepare, options) =>
+  session.show(name, { height: 1000, ...options }, async (page) => {
+    await prepare(page);
+    const box = await page.locator(selector).boundingBox();
+    const clip = { x: 0, y: 0, width: options.width, height: Math.ceil(box.y + box.height + 6) };
+    await photograph(page, picture, { fullPage: true, clip });
+  });
+await upperPart('clearance', 'report.png', '.pair', (page) => page.check('#cut'), { width: 1240 });
+await upperPart('replay', 'replay.png', '.pair', (page) => show(page, 0.31), { width: 1240 });
+await upperPart(demo, 'demo_page.png', '.pair', (page) => show(page, 0.62), { width: 1240 });
+const asInReadme = async (page) => {
+  await page.addStyleTag({ content: demoStyle });
+  await settled(page);
+  await page.$eval('#whole', (button) => button.click());
+  await show(page, 0.7);
 };
-/** What a dark and narrow screen shows where a part of a page begins. */
-const narrowPart = async (name, picture, selector, prepare) => {
-  const page = await open(browser, folder.file(name), { width: 400, height: 780, scheme: 'dark' });
-  await prepare(page);
-  await page.$eval(selector, (part) => part.scrollIntoView());
-  await photograph(page, picture);
-};
-await upperPart('clearance.html', 'report.png', (page) => page.check('#cut'));
-await narrowPart('clearance.html', 'report_narrow.png', 'body', (page) => page.check('#cut'));
-await upperPart('replay.html', 'replay.png', (page) => show(page, 0.31));
-await narrowPart('replay.html', 'replay_narrow.png', '.pair', (page) => show(page, 0.31));
-
-const demo = quietDemo();
-const page = await open(browser, folder.file(demo), { width: demoWidth, height: 800, deviceScaleFactor: 2 });
-await page.addStyleTag({ content: demoStyle });
-await settled(page);
-await page.$eval('#whole', (button) => button.click());
-await show(page, 0.7);
-const box = await page.locator('main').boundingBox();
-await photograph(page, 'demo.png', {
-  clip: { x: 0, y: 0, width: demoWidth, height: Math.ceil(box.y + box.height + 6) },
-});
-await upperPart(demo, 'demo_page.png', (page) => show(page, 0.62));
-await narrowPart(demo, 'demo_narrow.png', '.pair', async (page) => {
+await upperPart(demo, 'demo.png', 'main', asInReadme, { width: demoWidth, height: 800, deviceScaleFactor: 2 });
+const narrow = async (page) => {
   await show(page, 0.62);
   await page.check('#follow');
-});
-process.chdir('/');
-folder.remove();
-
-await browser.close();
+  await page.$eval('.pair', (part) => part.scrollIntoView());
+  await photograph(page, 'demo_narrow.png');
+};
+await session.show(demo, { width: 400, height: 780, scheme: 'dark' }, narrow);
+await session.close();

@@ -19,7 +19,6 @@
 
 #include "command/output.h"
 #include "command/run_files.h"
-#include "command/terminal.h"
 #include "command/text.h"
 #include "command/verb.h"
 
@@ -299,10 +298,10 @@ ExitCode main_program(int argc, const char* const* argv) {
   CLI::App app{"Collision and distance of triangle meshes that deform", "limber"};
   describe(app);
   const std::string typed = typed_line(argc, argv);
-  const std::vector<Verb> verbs = {
-      add_info(app), add_distance(app, typed), add_collide(app),      add_within(app), add_contacts(app),
-      add_self(app), add_points(app),          add_track(app, typed), add_bench(app),  add_demo(app, typed),
-      add_help(app), add_version(app)};
+  const std::vector<Verb> verbs = {add_info(app),   add_distance(app, typed), add_collide(app),
+                                   add_within(app), add_contacts(app),        add_self(app),
+                                   add_points(app), add_track(app, typed),    add_demo(app, typed),
+                                   add_help(app),   add_version(app)};
   for (const Verb& verb : verbs) verb.command->group("Verbs");
   try {
     app.parse(argc, argv);

@@ -20,15 +20,7 @@
 /// distance is 0, the two points of the witness are the same and lie on both models up to rounding, and its triangles
 /// truly intersect. `collide` says yes if and only if `distance` gives 0.
 ///
-/// Shapes and solids (shapes.h, ClosedSurface::solid()) are models with a radius, an inside, or both. The distance of
-/// two bodies is that of their triangles less both radii, rounded to nearest, and 0 where that is negative. So where
-/// there are radii, they meet if the distance of two triangles, rounded as below, is at most the sum of the radii,
-/// itself rounded. The points of a witness are those of the triangles, moved by the radii towards each other; where the
-/// bodies meet, they are one point of both, which divides the way between those of the triangles as the radii do. What
-/// lies inside of a solid meets it, decided exactly for the triangles: then the witness is a vertex that is inside, and
-/// names triangle 0 of the solid. A budget that ends a query before that is decided leaves `lower` at 0; that search
-/// does not go on where the last query with the cache has ended, and each of its steps takes as long as a closest
-/// point.
+/// Bodies with a radius, and solids, which also have an inside, are explained in shapes.h.
 ///
 /// Models are compared as placed: every vertex is moved to the world frame in float64 first, and answers are about
 /// these rounded vertices. Whether they meet is decided exactly. A distance d differs from theirs by at most
@@ -79,6 +71,11 @@ struct Witness {
 struct QueryStats {
   std::uint64_t node_tests = 0;       ///< bounding volumes compared
   std::uint64_t primitive_tests = 0;  ///< pairs of triangles compared; of elements where the query is about these
+
+  QueryStats& operator+=(const QueryStats& other) {
+    node_tests += other.node_tests, primitive_tests += other.primitive_tests;
+    return *this;
+  }
 };
 
 /// What a query of two models has found, for the next query of the same two to start from: the two triangles of its

@@ -72,19 +72,10 @@ class ObjectPairMatrix {
   std::vector<std::uint64_t> bits_;  // of the pairs {1, 0}, {2, 0}, {2, 1}, ...
 };
 
-struct ObjectPairOptions {
-  std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
-};
-
 /// Called for each object; returns whether to go on.
 using ObjectVisitor = FunctionRef<bool(ObjectId)>;
 /// Which objects count next to a placed model: called for those whose bounds are close to its own.
 using ObjectFilter = FunctionRef<bool(ObjectId)>;
-
-/// Which objects are candidates.
-struct CandidateOptions {
-  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
-};
 
 /// The two objects of a scene that are closest to each other.
 struct [[nodiscard]] ClosestObjectsResult {
@@ -147,58 +138,36 @@ class SceneCache {
   std::unique_ptr<Impl> impl_;
 };
 
-/// How the same question of yes or no is asked about many pairs.
+/// How questions of yes or no are asked about many pairs.
 ///
 /// Budget   In all options of scenes, the deadline and the flag are those of the whole call, a number of steps is that
 ///          of each pair. Pairs that are asked after the deadline make one step each.
+/// Throws   std::invalid_argument if a filter comes with a list of pairs, or a cache where the call finds the pairs.
 struct SceneQueryOptions {
+  std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
   SceneCache* cache = nullptr;  ///< what the last frame has found, to start from; null for none
   QueryBudget budget = {};      ///< when the call has to end; the default has no limits
 };
 
-/// How good distances must be, as DistanceOptions says.
+/// How distances are asked of many pairs.
+///
+/// Throws   std::invalid_argument if `distance` has a cache of its own, or a filter comes with a list of pairs.
 struct SceneDistanceOptions {
-  double relative_error = 0, absolute_error = 0;
-  double max_distance = std::numeric_limits<double>::infinity();
-  SceneCache* cache = nullptr;  ///< what the last frame has found, to start from; null for none
-  QueryBudget budget = {};      ///< as in SceneQueryOptions
-};
-
-/// Which pairs count where any two objects are within a distance.
-struct AnyWithinOptions {
-  std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
-  QueryBudget budget = {};                                ///< as in SceneQueryOptions
-};
-
-/// How contacts of pairs are computed: PairOptions without a filter.
-struct ObjectContactOptions {
-  std::optional<OrientedFaces> oriented_faces = std::nullopt;  ///< as in PairOptions, of each pair
-  QueryBudget budget = {};                                     ///< as in SceneQueryOptions
-};
-
-/// How good the distance to the closest object must be, as DistanceOptions says, and which objects count.
-struct ClosestObjectOptions {
-  double relative_error = 0, absolute_error = 0;
-  double max_distance = std::numeric_limits<double>::infinity();
-  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
-  QueryBudget budget = {};                            ///< as in SceneQueryOptions
-};
-
-/// Until when a body moves, what counts as touching, as PathOptions says, and which objects count.
-struct ObjectImpactOptions {
-  double max_time = 1, min_separation = 0;
-  std::optional<double> distance_error = std::nullopt;
-  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
-  QueryBudget budget = {};  ///< as in SceneQueryOptions; steps are distances, as in PathOptions
-};
-
-/// How good the distance of the closest objects must be, as DistanceOptions says, and which pairs count.
-struct ClosestObjectsOptions {
-  double relative_error = 0, absolute_error = 0;
-  double max_distance = std::numeric_limits<double>::infinity();
+  DistanceOptions distance = {};                          ///< how good they must be; its budget is as above
   std::optional<ObjectPairFilter> filter = std::nullopt;  ///< all pairs count without one
   SceneCache* cache = nullptr;                            ///< what the last frame has found, to start from
-  QueryBudget budget = {};                                ///< as in SceneQueryOptions
+};
+
+/// How the object closest to a placed model is asked for. `distance` takes no cache.
+struct ClosestObjectOptions {
+  DistanceOptions distance = {};
+  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
+};
+
+/// How the object that a body touches first is asked for. `path` takes no cache.
+struct ObjectImpactOptions {
+  PathOptions path = {};
+  std::optional<ObjectFilter> filter = std::nullopt;  ///< all objects count without one
 };
 
 /// Many models, shapes and solids, each with a pose.
@@ -279,11 +248,11 @@ class Scene {
   ///          or a filter throws.
   /// Cost     About O(n + pairs), O(n^2) at worst; allocates nothing.
   LIMBER_API PairCount visit_candidate_pairs(double margin, ObjectPairVisitor visit,
-                                             const ObjectPairOptions& options = {}) const;
+                                             std::optional<ObjectPairFilter> filter = std::nullopt) const;
   LIMBER_API PairCount candidate_pairs(double margin, std::span<ObjectPair> pairs,
-                                       const ObjectPairOptions& options = {}) const;
+                                       std::optional<ObjectPairFilter> filter = std::nullopt) const;
 
-  /// Asks collide(), within() or distance() of each pair: results[i] is that of pairs[i].
+  /// Asks collide(), within() or distance() of each pair: results[i] is that of pairs[i]. Takes no filter.
   ///
   /// Promise  The same results, to the bit, on any number of threads, unless time or a flag ends the call. Without a
   ///          cache they are those of the functions for two models.
@@ -298,7 +267,8 @@ class Scene {
   LIMBER_API void distance(std::span<const ObjectPair> pairs, std::span<DistanceResult> results,
                            const SceneDistanceOptions& options = {}) const;
 
-  /// The contacts of each pair, as visit_contacts() finds them for its two models, in that order.
+  /// The contacts of each pair, as visit_contacts() finds them for its two models, in that order. Several threads call
+  /// the filter; `parallel` changes nothing.
   ///
   /// found    What was in it is replaced; its memory is used again, so keep it for the next frame.
   ///
@@ -307,7 +277,7 @@ class Scene {
   /// Throws   As collide(), and unless the margin is finite and >= 0; `found` is then empty or unchanged.
   /// Cost     That of the queries, on the threads of the calling oneTBB arena.
   LIMBER_API void contacts(std::span<const ObjectPair> pairs, double margin, ObjectContacts& found,
-                           const ObjectContactOptions& options = {}) const;
+                           const PairOptions& options = {}) const;
 
   /// The clearance of the scene: the shortest distance of any two objects that the filter lets through.
   ///
@@ -318,7 +288,7 @@ class Scene {
   /// Throws   As candidate_pairs(), and distance() for its options.
   /// Cost     Distances of the few pairs whose bounds are closer than the closest pair, on the threads of the calling
   ///          oneTBB arena, and that of candidate_pairs(). Allocates some kB.
-  LIMBER_API ClosestObjectsResult closest_objects(const ClosestObjectsOptions& options = {}) const;
+  LIMBER_API ClosestObjectsResult closest_objects(const SceneDistanceOptions& options = {}) const;
 
   /// Whether any two objects that the filter lets through are at most `max_distance` apart; with 0, whether any two
   /// meet. Stops at the first such pair.
@@ -329,7 +299,7 @@ class Scene {
   /// Throws   As candidate_pairs(), and unless max_distance is finite and >= 0.
   /// Cost     That of candidate_pairs() and of asking them, on the threads of the calling oneTBB arena. Allocates some
   ///          kB.
-  LIMBER_API AnyWithinResult any_within(double max_distance, const AnyWithinOptions& options = {}) const;
+  LIMBER_API AnyWithinResult any_within(double max_distance, const SceneQueryOptions& options = {}) const;
 
   // --- many configurations ---
   //
@@ -349,10 +319,10 @@ class Scene {
   ///          First a filter is called once for every two objects. Allocates some copies of the scene.
   LIMBER_API void closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
                                        std::span<ClosestObjectsResult> results,
-                                       const ClosestObjectsOptions& options = {}) const;
+                                       const SceneDistanceOptions& options = {}) const;
   /// Asks any_within() of many configurations. All else as above; those that are left when time is up are undecided.
   LIMBER_API void any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
-                                  std::span<AnyWithinResult> results, const AnyWithinOptions& options = {}) const;
+                                  std::span<AnyWithinResult> results, const SceneQueryOptions& options = {}) const;
 
   // --- one model next to all objects ---
   //
@@ -364,7 +334,7 @@ class Scene {
   /// Throws   Also unless the model is committed and its pose is rigid.
   /// Cost     About O(log n + objects).
   LIMBER_API PairCount visit_candidates(const Placed& model, double margin, ObjectVisitor visit,
-                                        const CandidateOptions& options = {}) const;
+                                        std::optional<ObjectFilter> filter = std::nullopt) const;
 
   /// The object that is closest to a placed model, of those that the filter lets through. All else as
   /// closest_objects().

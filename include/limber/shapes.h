@@ -17,9 +17,16 @@
 ///   const limber::Shape hand = limber::Shape::capsule({0, 0, 0}, {0, 0, 1}, 0.25);
 ///   const auto near = limber::distance({cloth}, {hand, pose});
 ///
-/// Wherever a model can be Placed, so can a shape; a few functions take none that has a radius, and say so. The
-/// distance of two bodies is that of their cores, less both radii: distance.h says what is exact. Of solids also the
-/// inside counts.
+/// Wherever a model can be Placed, so can a shape; a few functions take none that has a radius, and say so.
+///
+/// Radii    The distance of two bodies is that of their triangles (distance.h) less both radii, rounded to nearest, and
+///          0 where that is negative. Bodies meet if fl(distance) <= fl(radius_a + radius_b). The points of a witness
+///          are those of the triangles, moved by the radii towards each other; where the bodies meet, they are one
+///          point of both, which divides the way between those of the triangles as the radii do.
+/// Solids   What lies inside of a solid (ClosedSurface::solid(), or a shape that is one) meets it, decided exactly for
+///          the triangles. The witness is then a vertex that is inside, and names triangle 0 of the solid. A budget
+///          that ends a query before this is decided leaves `lower` at 0; the next query with the cache begins this
+///          search anew, and each of its steps takes as long as a closest point.
 namespace limber {
 
 /// A shape. It does not change.

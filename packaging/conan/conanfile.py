@@ -22,8 +22,7 @@ class Limber(ConanFile):
 
     def export_sources(self):
         root = Path(self.recipe_folder).parents[1]
-        for part in ("CMakeLists.txt", "LICENSE", "cmake/*", "include/*", "src/*", "scenes/*", "clients/program/*",
-                     "tests/reference/*"):
+        for part in ("CMakeLists.txt", "LICENSE", "cmake/*", "include/*", "src/*", "clients/program/*"):
             copy(self, part, root, self.export_sources_folder)
 
     def requirements(self):

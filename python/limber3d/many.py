@@ -47,6 +47,16 @@ def progress_bar(count: int | None, is_wanted: bool) -> Generator[Callable[[int]
     yield lambda done: None
 
 
+@contextmanager
+def _keeping(results: Callable[[], Any]) -> Generator[None, None, None]:
+    """Ctrl-C keeps what is done until then."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        done = results()
+        raise BatchInterrupted(done, len(done)) from None
+
+
 def _parts(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
     """Ranges that make up 0 to count, of a length that takes about a tenth of a second each."""
     with progress_bar(count, is_shown) as advance:
@@ -75,17 +85,15 @@ def _records(
     count = 1 if batch.size is None else batch.size
     records = numpy.zeros(count, dtype)
     done = 0
-    try:
+    with _keeping(lambda: records[:done]):
         for begin, end in _parts(count, is_shown):
             ask(records[begin:end], begin, end, *options)
             done = end
-    except KeyboardInterrupt:
-        raise BatchInterrupted(records[:done], done) from None
     return records
 
 
-def _joined(parts: list[RecordArray], dtype: numpy.dtype[numpy.void]) -> RecordArray:
-    """One array of all records. NumPy by itself would pack them: their element type would be another."""
+def records_of(parts: list[RecordArray], dtype: numpy.dtype[numpy.void]) -> RecordArray:
+    """One array of all parts. NumPy by itself would pack them: their element type would be another."""
     records = numpy.zeros(sum(map(len, parts)), dtype)
     return numpy.concatenate(parts, out=records) if parts else records
 
@@ -181,7 +189,7 @@ def contacts_many(
         found.resize(offsets[-1], refcheck=False)
         return ManyContacts(contacts=found, offsets=offsets)
 
-    try:
+    with _keeping(joined):
         for begin, end in _parts(1 if batch.size is None else batch.size, progress):
             part, of_each = batch.contacts(begin, end, margin, filter, budget)
             if size + len(part) > len(found):  # moves pages, where a list of parts would be copied at the end
@@ -191,9 +199,6 @@ def contacts_many(
             size += len(part)
             if len(of_each) < end - begin:
                 break
-    except KeyboardInterrupt:
-        results = joined()
-        raise BatchInterrupted(results, len(results)) from None
     return joined()
 
 
@@ -332,21 +337,18 @@ def track(
     count = len(frames) if isinstance(frames, Sized) else None
 
     def joined() -> RecordArray:
-        return _joined(records, _core.distance_dtype)
+        return records_of(records, _core.distance_dtype)
 
-    try:
-        with progress_bar(count, progress) as advance:
-            for i, frame in enumerate(frames):
-                if batch.size is not None and i >= batch.size:
-                    raise ValueError(f"frames: there are only {batch.size} poses")
-                model.move_all(frame)
-                model.commit()
-                record = numpy.zeros(1, _core.distance_dtype)
-                batch.distance(record, i, i + 1, relative_error, absolute_error, max_distance, budget)
-                records.append(record)
-                advance(1)
-                if record["stopped_by"][0] in (_core.StoppedBy.deadline.value, _core.StoppedBy.cancel.value):
-                    break
-    except KeyboardInterrupt:
-        raise BatchInterrupted(joined(), len(records)) from None
+    with _keeping(joined), progress_bar(count, progress) as advance:
+        for i, frame in enumerate(frames):
+            if batch.size is not None and i >= batch.size:
+                raise ValueError(f"frames: there are only {batch.size} poses")
+            model.move_all(frame)
+            model.commit()
+            record = numpy.zeros(1, _core.distance_dtype)
+            batch.distance(record, i, i + 1, relative_error, absolute_error, max_distance, budget)
+            records.append(record)
+            advance(1)
+            if record["stopped_by"][0] in (_core.StoppedBy.deadline.value, _core.StoppedBy.cancel.value):
+                break
     return joined()

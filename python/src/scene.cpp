@@ -50,7 +50,7 @@ std::deque<Found> found_in(SceneObject& self, const Which& which, const Search& 
 IdArray candidate_pairs_of(SceneObject& self, double margin, const ObjectFilter& filter) {
   const Filter which(filter);
   const auto pairs = found_in<ObjectPair>(self, which, [&](const Scene& scene, const auto& visit, auto counts) {
-    scene.visit_candidate_pairs(margin, visit, {counts});
+    scene.visit_candidate_pairs(margin, visit, counts);
   });
   return array_of(pairs, nb::str("uint32"), {pairs.size(), 2});
 }
@@ -85,7 +85,7 @@ IdArray candidates_of(SceneObject& self, nb::handle_t<BodyObject> model, double 
   const SingleFilter which(filter);
   const Placed placed(object.body(), pose_from(pose, "pose"));
   const auto ids = found_in<ObjectId>(self, which, [&](const Scene& scene, const auto& visit, auto counts) {
-    scene.visit_candidates(placed, margin, visit, {counts});
+    scene.visit_candidates(placed, margin, visit, counts);
   });
   return array_of(ids, nb::str("uint32"));
 }
@@ -99,7 +99,8 @@ ClosestObjectResult closest_object_of(SceneObject& self, nb::handle_t<BodyObject
   const SingleFilter which(filter);
   return self.read([&](const Scene& scene) {
     const auto ask = [&](const QueryBudget& limits) {
-      return scene.closest_object(placed, {relative_error, absolute_error, max_distance, which.get(), limits});
+      return scene.closest_object(placed,
+                                  {{relative_error, absolute_error, max_distance, nullptr, limits}, which.get()});
     };
     return interruptible(budget, ask, which.needs_gil());
   });
@@ -114,7 +115,7 @@ ObjectImpactResult object_impact_of(SceneObject& self, nb::handle_t<BodyObject> 
   return self.read([&](const Scene& scene) {
     const auto ask = [&](const QueryBudget& limits) {
       return scene.time_of_impact(object.body(), motion,
-                                  {max_time, min_separation, distance_error, which.get(), limits});
+                                  {{max_time, min_separation, distance_error, nullptr, limits}, which.get()});
     };
     return interruptible(budget, ask, which.needs_gil());
   });
@@ -124,7 +125,9 @@ AnyWithinResult any_within_of(SceneObject& self, double max_distance, const Obje
                               const BudgetObject* budget) {
   const Filter which(filter);
   return self.read([&](const Scene& scene) {
-    const auto ask = [&](const QueryBudget& limits) { return scene.any_within(max_distance, {which.get(), limits}); };
+    const auto ask = [&](const QueryBudget& limits) {
+      return scene.any_within(max_distance, {.filter = which.get(), .budget = limits});
+    };
     return interruptible(budget, ask, which.needs_gil());
   });
 }
@@ -148,7 +151,8 @@ Named<"ManyContacts"> contacts_of_pairs(SceneObject& self, const ArrayLike& pair
   return self.read([&](const Scene& scene) {
     const auto ask = [&](std::size_t begin, std::size_t end, const QueryBudget& limits) {
       offsets.resize(begin + 1), contacts.resize(static_cast<std::size_t>(offsets.back()));  // if asked again
-      scene.contacts(std::span(asked).subspan(begin, end - begin), margin, found, {oriented_faces, limits});
+      scene.contacts(std::span(asked).subspan(begin, end - begin), margin, found,
+                     {.oriented_faces = oriented_faces, .budget = limits});
       for (std::size_t i = 1; i < found.offsets.size(); ++i) {
         offsets.push_back(static_cast<std::int64_t>(contacts.size() + found.offsets[i]));
       }
@@ -181,20 +185,18 @@ RecordArray asked_of_pairs(SceneObject& self, nb::handle pairs, SceneCacheObject
 
 RecordArray collide_pairs(SceneObject& self, const ArrayLike& pairs, SceneCacheObject* cache,
                           const BudgetObject* budget) {
-  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide, budget,
-                                       [&](const Scene& scene, std::span<const ObjectPair> asked, auto results,
-                                           SceneCache* c, const QueryBudget& limits) {
-                                         scene.collide(asked, results, {c, limits});
-                                       });
+  return asked_of_pairs<CollideResult>(
+      self, pairs, cache, dtypes().collide, budget,
+      [&](const Scene& scene, std::span<const ObjectPair> asked, auto results, SceneCache* c,
+          const QueryBudget& limits) { scene.collide(asked, results, {.cache = c, .budget = limits}); });
 }
 
 RecordArray pairs_within(SceneObject& self, const ArrayLike& pairs, double max_distance, SceneCacheObject* cache,
                          const BudgetObject* budget) {
-  return asked_of_pairs<CollideResult>(self, pairs, cache, dtypes().collide, budget,
-                                       [&](const Scene& scene, std::span<const ObjectPair> asked, auto results,
-                                           SceneCache* c, const QueryBudget& limits) {
-                                         scene.within(asked, max_distance, results, {c, limits});
-                                       });
+  return asked_of_pairs<CollideResult>(
+      self, pairs, cache, dtypes().collide, budget,
+      [&](const Scene& scene, std::span<const ObjectPair> asked, auto results, SceneCache* c,
+          const QueryBudget& limits) { scene.within(asked, max_distance, results, {.cache = c, .budget = limits}); });
 }
 
 RecordArray pair_distances(SceneObject& self, const ArrayLike& pairs, double relative_error, double absolute_error,
@@ -203,7 +205,8 @@ RecordArray pair_distances(SceneObject& self, const ArrayLike& pairs, double rel
       self, pairs, cache, dtypes().distance, budget,
       [&](const Scene& scene, std::span<const ObjectPair> asked, auto results, SceneCache* c,
           const QueryBudget& limits) {
-        scene.distance(asked, results, {relative_error, absolute_error, max_distance, c, limits});
+        scene.distance(asked, results,
+                       {.distance = {relative_error, absolute_error, max_distance, nullptr, limits}, .cache = c});
       });
 }
 
@@ -214,7 +217,8 @@ ClosestObjectsResult closest_objects_of(SceneObject& self, double relative_error
   const Used used(cache);
   return self.read([&](const Scene& scene) {
     return interruptible(true, which.needs_gil(), budget, used.get(), [&](const QueryBudget& limits) {
-      return scene.closest_objects({relative_error, absolute_error, max_distance, which.get(), used.get(), limits});
+      return scene.closest_objects(
+          {{relative_error, absolute_error, max_distance, nullptr, limits}, which.get(), used.get()});
     });
   });
 }

@@ -52,16 +52,16 @@ class SceneBatch {
     write<ClosestObjectsResult>(
         records, begin, end, budget, [&](const Scene& scene, auto poses, auto& results, const QueryBudget& limits) {
           scene.closest_objects_many(ids_, poses, results,
-                                     {relative_error, absolute_error, max_distance, filter(), nullptr, limits});
+                                     {{relative_error, absolute_error, max_distance, nullptr, limits}, filter()});
         });
   }
 
   void any_within(const RecordArray& records, std::size_t begin, std::size_t end, double max_distance,
                   const BudgetObject* budget) {
-    write<AnyWithinResult>(records, begin, end, budget,
-                           [&](const Scene& scene, auto poses, auto& results, const QueryBudget& limits) {
-                             scene.any_within_many(ids_, poses, max_distance, results, {filter(), limits});
-                           });
+    write<AnyWithinResult>(
+        records, begin, end, budget, [&](const Scene& scene, auto poses, auto& results, const QueryBudget& limits) {
+          scene.any_within_many(ids_, poses, max_distance, results, {.filter = filter(), .budget = limits});
+        });
   }
 
  private:

@@ -3,8 +3,6 @@
 import limber3d
 import pytest
 import shapes
-import shared_batches
-from limber3d.typing import RecordArray
 
 
 @pytest.fixture
@@ -15,9 +13,3 @@ def tetra() -> limber3d.Model:
 @pytest.fixture
 def ball() -> limber3d.Model:
     return limber3d.Model(*shapes.ball())
-
-
-@pytest.fixture(scope="session")
-def expected() -> RecordArray:
-    """What one process answers to the batch of shared_batches."""
-    return shared_batches.expected()

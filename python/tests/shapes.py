@@ -82,3 +82,9 @@ def write_obj(path: Path, vertices: Any, faces: Any) -> Path:
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in numpy.asarray(faces).tolist()]
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def same_bits(a: Any, b: Any) -> bool:
+    """Records that are equal in all fields to the bit, what is not a number included."""
+    names = a.dtype.names or ()
+    return bool(a.dtype == b.dtype and all(a[name].tobytes() == b[name].tobytes() for name in names))

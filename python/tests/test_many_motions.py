@@ -1,19 +1,17 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Batches of rigid motions: the bits of single calls, times that are known, arguments, interruption."""
+"""Batches of rigid motions: the bits of single calls, arguments."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import limber3d
 import numpy
 import pytest
-from limber3d import ImpactStatus, RigidMotion
-from shapes import random_poses, rotation
-from shared_batches import same_bits
+from limber3d import RigidMotion
+from shapes import random_poses
 
 COUNT = 300
 STARTS_A, ENDS_A = random_poses(1, COUNT), random_poses(2, COUNT)
@@ -84,35 +82,6 @@ def test_bodies_may_have_one_pose_for_all_or_stand_still(
     check_many([], origin, starts[:0], ends[:0])
 
 
-def test_a_door_meets_what_stands_in_its_way() -> None:
-    """A door turns by a right angle about its hinge, which is away from its model's origin. A wedge points at the hinge
-    and stands at some angle: the door is there after that part of the time, and before at the distance of the wedge's
-    edge."""
-    hinge = numpy.array([1, 0.5, 0])
-    door = limber3d.Model(hinge + [[0, 0, -1], [2, 0, -1], [2, 0, 1], [0, 0, 1]], numpy.array([[0, 1, 2], [0, 2, 3]]))
-    angles = numpy.linspace(0.05, 0.95, 50) * math.pi / 2
-    wedge = limber3d.Model(numpy.array([[1, 0, 0], [3, 1, -0.5], [3, 1, 0.5]]), numpy.array([[0, 1, 2]]))
-    closed = rotation([1, 0, 0, 1]), hinge - rotation([1, 0, 0, 1]) @ hinge
-    turns = numpy.stack([numpy.cos(angles / 2), 0 * angles, 0 * angles, numpy.sin(angles / 2)], 1)
-    wedges = turns, numpy.tile(hinge, (50, 1))
-
-    hits = limber3d.time_of_impact_many(
-        door, wedge, ends_a=closed, starts_b=wedges, center_a=hinge, distance_error=1e-9
-    )
-    times = angles / (math.pi / 2)
-    assert (hits["status"] == ImpactStatus.contact).all()
-    assert (hits["time"] <= times).all() and hits["time"] == pytest.approx(times, abs=1e-8)
-    tips = hinge + numpy.stack([numpy.cos(angles), numpy.sin(angles), 0 * angles], 1)
-    assert hits["point_b"] == pytest.approx(tips, abs=1e-8)
-
-    nearest = limber3d.min_distance_many(
-        door, wedge, None, closed, wedges, center_a=hinge, max_time=0.5, distance_error=1e-9
-    )
-    expected = numpy.sin(numpy.maximum(angles - math.pi / 4, 0))
-    assert (nearest["lower"] <= expected + 1e-15).all() and nearest["upper"] == pytest.approx(expected, abs=2e-9)
-    assert nearest["time"][expected > 0] == pytest.approx(0.5, abs=1e-8)
-
-
 @pytest.mark.parametrize("many", MANY)
 def test_bad_motions_are_named(ball: limber3d.Model, many: Any) -> None:
     mirrored = STARTS_A.copy()
@@ -137,22 +106,3 @@ def test_bad_motions_are_named(ball: limber3d.Model, many: Any) -> None:
     ball.move_all(ball.vertices)
     with pytest.raises(ValueError, match="commit"):
         many(ball, ball, STARTS_A, ENDS_A)
-
-
-@pytest.mark.parametrize("many", MANY)
-def test_interruption_keeps_what_is_done(
-    ball: limber3d.Model, tetra: limber3d.Model, many: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def ask() -> Any:
-        return many(ball, tetra, STARTS_A, ENDS_A, STARTS_B, distance_error=0.01)
-
-    expected, original = ask(), limber3d.many._parts
-
-    def first_part_only(count: int, is_shown: bool) -> Iterator[tuple[int, int]]:
-        yield next(original(count, is_shown))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(limber3d.many, "_parts", first_part_only)
-    with pytest.raises(limber3d.BatchInterrupted) as interrupted:
-        ask()
-    assert interrupted.value.count == 16 and same_bits(interrupted.value.results, expected[:16])

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import limber3d
-import numpy
 import pytest
 import shapes
 
@@ -82,45 +81,3 @@ def test_contacts(meshes: tuple[Path, Path]) -> None:
                 assert (KINDS[contact[name]["kind"]], contact[name]["index"]) == (kind, int(index or 0))
         found += len(ours)
     assert found > 100
-
-
-def test_self_contacts(meshes: tuple[Path, Path]) -> None:
-    model = limber3d.load(meshes[0])
-    (answer,) = lines("self", meshes[0], "--margin", 0.1, "--json")
-    ours = {
-        (int(c["triangle_a"]), int(c["triangle_b"])): float(c["distance"]) for c in limber3d.self_contacts(model, 0.1)
-    }
-    assert ours == {(p["triangle_a"], p["triangle_b"]): p["distance"] for p in answer["pairs"]} and len(ours) > 100
-
-
-def test_points(meshes: tuple[Path, Path], tmp_path: Path) -> None:
-    points = numpy.random.default_rng(12).normal(size=(300, 3))
-    path = tmp_path / "points.csv"
-    path.write_text("\n".join(",".join(map(repr, point)) for point in points.tolist()) + "\n")
-    theirs = lines("points", meshes[0], path, "--pose", pose_text(0), "--signed", "--generalized-winding-number", "--json")
-    model, pose = limber3d.load(meshes[0]), (TURNS[0], SHIFTS[0])
-    surface = limber3d.ClosedSurface(model)
-    for answer, point, record in zip(theirs, points, surface.signed_distance_many(points, pose)):
-        assert (answer["distance"], answer["is_inside"]) == (record["distance"], record["is_inside"])
-        assert answer["closest"]["position"] == record["position"].tolist()
-        assert answer["closest"]["weights"] == record["weights"].tolist()
-        assert answer["closest"]["triangle"] == record["triangle"]
-        assert answer["generalized_winding_number"] == limber3d.generalized_winding_number(model, point, pose)
-
-
-def test_frames(meshes: tuple[Path, Path], tmp_path: Path) -> None:
-    model, other = map(limber3d.load, meshes)
-    vertices, faces = model.vertices, model.faces
-    frames = [vertices * (1 + 0.02 * i) for i in range(10)]
-    paths = [shapes.write_obj(tmp_path / f"frame_{i}.obj", frame, faces) for i, frame in enumerate(frames)]
-    theirs = lines("track", "--a", *paths, "--b", meshes[1], "--poses-b", poses_file(tmp_path, len(frames)), "--json")
-    ours = limber3d.track(model, frames, other, poses_other=(TURNS[: len(frames)], SHIFTS[: len(frames)]))
-    for answer, record in zip(theirs, ours):
-        assert (answer["lower"], answer["upper"]) == (record["lower"], record["upper"])
-        assert limber3d.DistanceStatus(int(record["status"])).name == answer["status"]
-
-
-def poses_file(folder: Path, count: int) -> Path:
-    path = folder / "poses.csv"
-    path.write_text("\n".join(map(pose_text, range(count))) + "\n")
-    return path

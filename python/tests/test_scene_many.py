@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import Any
 
@@ -192,26 +191,3 @@ def test_budgets_leave_answers_open(scene: limber3d.Scene, ball: limber3d.Model)
     meeting.commit()
     with pytest.raises(RuntimeError):
         bool(meeting.any_within(0.0, budget=steps).result)
-
-
-def test_other_threads_go_on_meanwhile(ball: limber3d.Model) -> None:
-    scene = limber3d.Scene()
-    for i in range(12):
-        scene.add(ball, ([1, 0, 0, 0], [3 * i, 0, 0]))
-    scene.commit()
-    poses = random_poses(14, 12 * 4000, 6.0).reshape(4000, 12, 4, 4)
-    ticks, stop = [0], threading.Event()
-
-    def tick() -> None:
-        while not stop.is_set():
-            ticks[0] += 1
-            time.sleep(1e-4)
-
-    thread = threading.Thread(target=tick)
-    thread.start()
-    begin = ticks[0]
-    limber3d.closest_objects_many(scene, range(12), poses, filter=limber3d.ObjectPairMatrix(12))
-    end = ticks[0]
-    stop.set()
-    thread.join()
-    assert end > begin + 5

@@ -11,7 +11,6 @@ import limber3d
 import numpy
 import pytest
 from limber3d import SolidRelation
-from shapes import TETRA_FACES, TETRA_VERTICES
 from shapes import ball as ball_arrays
 from shapes import random_poses
 
@@ -67,21 +66,6 @@ def test_many_relations_are_those_of_single_calls() -> None:
             assert record["triangle_b"] == single.witness.triangle_b
     assert limber3d.solid_relation_many(iter(surfaces), [[0, 3]])["relation"].tolist() == [SolidRelation.overlapping]
     assert limber3d.solid_relation_many([], numpy.zeros((0, 2), int)).shape == (0,)
-
-
-def test_relations_of_what_a_scene_finds() -> None:
-    scene, surfaces = limber3d.Scene(), [box(0, 1), box(0, 1), box(-0.25, 0.25)]
-    for surface, (x, y, z) in zip(surfaces, ((0, 0, 0), (1, 0, 0), (0.5, 0.5, 0.5))):
-        scene.add(surface.model, at(x, y, z))
-    scene.commit()
-    pairs = scene.candidate_pairs(0.25)
-    found = limber3d.solid_relation_many(surfaces, pairs, numpy.array([scene.pose(i) for i in range(3)]))
-    by_pair = {tuple(pair): SolidRelation(int(record)) for pair, record in zip(pairs.tolist(), found["relation"])}
-    assert by_pair == {
-        (0, 1): SolidRelation.touching,
-        (0, 2): SolidRelation.b_inside_a,
-        (1, 2): SolidRelation.apart,
-    }
 
 
 def test_deepest_vertices_are_those_of_a_loop() -> None:
@@ -175,16 +159,3 @@ def test_mistakes_are_errors() -> None:
     ):
         with pytest.raises(ValueError, match="reset"):
             stale()
-
-
-def test_bodies_that_only_touch_are_not_deep_by_rounding() -> None:
-    rng, relations = numpy.random.default_rng(8), []
-    for _ in range(150):
-        shift, size = rng.normal(size=3), rng.choice([0.1, 0.3, 1.0])
-        above = limber3d.ClosedSurface(limber3d.Model(TETRA_VERTICES * size + shift, TETRA_FACES))
-        below = (TETRA_VERTICES * [1, 1, -1]) * size / 4 + shift
-        surface = limber3d.ClosedSurface(limber3d.Model(below, TETRA_FACES[:, ::-1]))
-        relations.append(limber3d.solid_relation(above, surface).relation)
-        if relations[-1] == SolidRelation.touching:
-            assert limber3d.signed_distance(above, surface).upper == 0
-    assert relations.count(SolidRelation.touching) > 100

@@ -71,6 +71,8 @@ inline constexpr double relative_position_error = 0x1p-51;
 
 /// Covers the rounding of lengths, of sums of a few of them, and of everything computed while bounds are fitted.
 inline constexpr double outward = 1 + 0x1p-40;
+/// The same for lower bounds.
+inline constexpr double inward = 1 - 0x1p-40;
 /// Covers the rounding of one addition in a sum of many.
 inline constexpr double sum_up = 1 + 0x1p-50;
 

@@ -8,8 +8,8 @@
 //           slots of its leaves, and a volume around all of them. Another kernel merges the slots of a higher node into
 //           a volume around them. Either volume is stored in the slot of the parent.
 //
-// fit_lowest() fits the slots of one lowest node, fit_upper() those of a higher one, fit_all() all. refit() is for one
-// dirty node: its slots, if need be, and the parent's slot for it, whose change makes the parent dirty.
+// fit_lowest() fits the slots of one lowest node, fit_upper() those of a higher one, fit_all() all. refit(i) updates
+// node i and the slot that stands for it in its parent; if that slot changed, the parent is dirty next.
 //
 // Node 0, the header, has one slot, the root slot, for the whole mesh. The child in it is node 1, the top node, which
 // other libraries call the root (bvh/tree.h). Slots below which all triangles coincide are marked: any one triangle

@@ -54,6 +54,19 @@ inline Vec3 near_unit(const Vec3& v) {
   return v * std::bit_cast<double>((std::uint64_t{2046} - (std::bit_cast<std::uint64_t>(size) >> 52)) << 52);
 }
 
+/// The direction of a vector, of length 1. Pre: as near_unit().
+inline Vec3 unit(const Vec3& v) {
+  const Vec3 scaled = near_unit(v);
+  return scaled * (1 / length(scaled));
+}
+
+/// A vector of length 1 perpendicular to a direction.
+inline Vec3 perpendicular_to(const Vec3& direction) {
+  const Vec3 a = abs(direction);
+  const Vec3 axis = a.x <= a.y && a.x <= a.z ? Vec3{1, 0, 0} : a.y <= a.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  return unit(cross(direction, axis));
+}
+
 /// Whether all three corners are one.
 inline bool is_point(const Triangle& t) { return t.v0 == t.v1 && t.v0 == t.v2; }
 

@@ -29,8 +29,8 @@ using geometry::LocalFrame;
 using geometry::near_unit;
 using geometry::next_corner;
 
-/// Pre      As near_unit().
-Vec3 unit(const Vec3& v) {
+/// The direction of a vector, of length 1, with one rounding less than unit(). Pre: as near_unit().
+Vec3 normalized(const Vec3& v) {
   const Vec3 w = near_unit(v);
   const double w_length = length(w);
   return {w.x / w_length, w.y / w_length, w.z / w_length};
@@ -152,7 +152,7 @@ class LeastOverlap {
     }
   }
 
-  Vec3 normal() const { return unit(axis_); }
+  Vec3 normal() const { return normalized(axis_); }
 
  private:
   void consider_across_longest_edge() {
@@ -294,7 +294,7 @@ void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, Triangle
   const Triangle &local_a = in_order ? pair.first() : pair.second(), &local_b = in_order ? pair.second() : pair.first();
   const Vec3 way = out_of_a(a, b, oriented, {local_a, local_b});
   if (max_abs(way) == 0) return;
-  contact.normal = unit(way);
+  contact.normal = normalized(way);
   contact.normal_side = NormalSide::outward;
 }
 
@@ -384,7 +384,7 @@ TriangleContact geometry::ContactBatch::contact(std::uint32_t i, double farthest
     part(i, contact);
   } else if (closest.distance <= farthest) {
     const Triangle t = a(i), u = b(i);
-    contact.normal = found.are_proven_apart ? unit(found.a_to_b) : normal_of_a_small_gap(t, u, closest.distance);
+    contact.normal = found.are_proven_apart ? normalized(found.a_to_b) : normal_of_a_small_gap(t, u, closest.distance);
     contact.normal_side = side_of(contact.normal, t, u, oriented(i));
   }
   return contact;

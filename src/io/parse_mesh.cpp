@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/parse_mesh.h"
 
-#include "io/readers.h"
 #include "limber/io.h"
 
 namespace limber::io {

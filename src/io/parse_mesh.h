@@ -23,4 +23,12 @@ using BufferSource = std::function<Result<std::string>(const std::string& path, 
 ///          files are malformed.
 Result<Soup> parse_mesh(std::string_view bytes, std::string_view extension, const BufferSource& external = {});
 
+/// One reader for each format, from the bytes of the file. Each takes time and memory in proportion to the bytes it is
+/// given, whatever a header promises; glTF scenes, which may show a mesh many times, have limits of their own.
+Result<Soup> read_obj(std::string_view file);
+Result<Soup> read_off(std::string_view file);
+Result<Soup> read_ply(std::string_view file);
+Result<Soup> read_stl(std::string_view file);
+Result<Soup> read_gltf(std::string_view file, const BufferSource& external);
+
 }  // namespace limber::io

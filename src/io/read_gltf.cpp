@@ -7,7 +7,7 @@
 
 #include "io/byte_order.h"
 #include "io/gltf_meshes.h"
-#include "io/readers.h"
+#include "io/parse_mesh.h"
 #include "limber/io.h"
 
 namespace limber::io {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <map>
 
-#include "io/readers.h"
+#include "io/parse_mesh.h"
 #include "io/text_scan.h"
 
 namespace limber::io {

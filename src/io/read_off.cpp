@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "io/readers.h"
+#include "io/parse_mesh.h"
 #include "io/text_scan.h"
 
 namespace limber::io {

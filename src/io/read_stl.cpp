@@ -6,7 +6,7 @@
 
 #include "base/check.h"
 #include "io/byte_order.h"
-#include "io/readers.h"
+#include "io/parse_mesh.h"
 #include "io/text_scan.h"
 
 namespace limber::io {

@@ -8,9 +8,9 @@
 //
 //         a1   a0                                    a1
 //          \ a |                                       \  a
-//           \  |   b1                                   \
+//           \  |   b1                                   \      left
 //            \ |  /                                      s ---------- a0 = b0
-//             \| /  b                                   /
+//             \| /  b                                   /      right
 //              s ------ b0                             /  b
 //                                                     b1
 //   One shared corner: a is on the left         Two shared corners: a1 is on the left

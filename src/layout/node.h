@@ -57,6 +57,9 @@ struct Leaf {
   QuantizedTriangles corners;               // 144 bytes   about the center of the leaf's slot
   TriangleId triangle[width];               //  32
   std::array<VertexId, 3> vertices[width];  //  96         of the triangles
+
+  /// Whether a slot holds a triangle of its own.
+  bool is_in_use(std::size_t slot) const { return slot == 0 || triangle[slot] != triangle[slot - 1]; }
 };
 static_assert(sizeof(Leaf) == 272);
 

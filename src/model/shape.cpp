@@ -51,12 +51,7 @@ std::vector<Corners> box_triangles() {
 
 /// The direction of a vector that is not 0, and two directions across it, which make a right-handed frame.
 std::array<Vec3, 3> frame_of(const Vec3& v) {
-  const Vec3 near = geometry::near_unit(v);
-  const Vec3 along = near * (1 / length(near)), size = abs(along);
-  const Vec3 least = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
-                     : size.y <= size.z                   ? Vec3{0, 1, 0}
-                                                          : Vec3{0, 0, 1};
-  const Vec3 across = cross(along, least), first = across * (1 / length(across));
+  const Vec3 along = geometry::unit(v), first = geometry::perpendicular_to(along);
   return {along, first, cross(along, first)};
 }
 

@@ -16,6 +16,7 @@
 
 #include "base/arguments.h"
 #include "base/check.h"
+#include "base/error_bounds.h"
 #include "base/float_environment.h"
 #include "geometry/primitives.h"
 #include "limber/motion.h"
@@ -27,8 +28,7 @@ namespace limber {
 namespace motion {
 namespace {
 
-// Rounds numbers down that have been computed by a few operations.
-constexpr double inward = 1 - 0x1p-40;
+using base::inward;
 
 /// Displacements are up to 2^200, fractions up to 1.
 void check_numbers(std::span<const double> numbers, std::size_t vertex_count, double most, const char* function) {

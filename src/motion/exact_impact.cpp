@@ -155,7 +155,11 @@ class OriginInPolygon {
  public:
   explicit OriginInPolygon(const MovingElements& elements) {
     Vector v[4];
-    const int unit = common_unit(elements);
+    geometry::CommonUnit common(std::numeric_limits<int>::max());
+    for (const auto& corners : elements.corners) {
+      for (const Vec3& p : corners) common.include(p);
+    }
+    const int unit = common.exponent();
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto at = [&](std::size_t end) { return Decoded(elements.corners[end][i][axis]).in<Integer>(unit); };
@@ -219,19 +223,6 @@ class OriginInPolygon {
   static Quadratic across(const Vector& a, const Vector& b, std::size_t axis) {
     const std::size_t i = (axis + 1) % 3, k = (axis + 2) % 3;
     return a[i] * b[k] - a[k] * b[i];
-  }
-
-  /// An exponent such that all coordinates are multiples of that power of two.
-  static int common_unit(const MovingElements& elements) {
-    int unit = std::numeric_limits<int>::max();
-    for (const auto& corners : elements.corners) {
-      for (const Vec3& p : corners) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          unit = std::min(unit, Decoded(p[axis]).exponent);
-        }
-      }
-    }
-    return unit;
   }
 
   std::size_t next(std::size_t i) const { return i + 1 == size_ ? 0 : i + 1; }

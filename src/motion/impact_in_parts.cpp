@@ -16,27 +16,6 @@ namespace limber {
 namespace motion {
 namespace {
 
-template <typename Collector, typename Pair>
-PairCount count_in_parts(const MovingPair& models, const ImpactOptions& options, FunctionRef<bool(const Pair&)> visit) {
-  PairCount result;
-  base::ListFiller<Pair> none;
-  Collector lister(options, none);
-  pair::BudgetMeter meter(options.budget);
-  ImpactSearch<Collector> top(models, options.min_separation, lister, meter);
-  const std::vector<SlotPair> parts = top.split(pair::part_count);
-  result.stats = top.stats();
-  const auto found = pair::search_parts<base::ListFiller<Pair>>(
-      parts, result.stats, [&](const SlotPair& part, base::ListFiller<Pair>& list, QueryStats& stats) {
-        Collector collector(options, list);
-        pair::BudgetMeter own_meter(options.budget);
-        ImpactSearch<Collector> search(models, options.min_separation, collector, own_meter);
-        search.run(part);
-        stats = search.stats();
-      });
-  pair::visit_found(found, visit, result);
-  return result;
-}
-
 /// Searches a part, with what the parts before it have found.
 FoundImpact find_in_part(const MovingPair& models, const ImpactOptions& options, const SlotPair& part,
                          const FirstImpact& before) {
@@ -83,14 +62,6 @@ FoundImpact find_first_in_parts(const MovingPair& models, const ImpactOptions& o
     at_once = has_changed ? fewest_at_once : 2 * at_once;
   }
   return result;
-}
-
-PairCount visit_in_parts(const MovingPair& models, const ImpactOptions& options, ImpactVisitor visit) {
-  return count_in_parts<AllImpacts, Impact>(models, options, visit);
-}
-
-PairCount visit_in_parts(const MovingPair& models, const ImpactOptions& options, ImpactCandidateVisitor visit) {
-  return count_in_parts<ImpactCandidates, ElementPair>(models, options, visit);
 }
 
 }  // namespace motion

@@ -82,14 +82,36 @@ ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options
   if (options.ignore_crossings) return first_touch(models, options);
   const CollideResult at_start = collide_at_start(models, options);
   ImpactResult result = at_start.is_no() ? first_touch(models, options) : crossing(at_start);
-  result.stats.node_tests += at_start.stats.node_tests, result.stats.primitive_tests += at_start.stats.primitive_tests;
+  result.stats += at_start.stats;
+  return result;
+}
+
+/// Visits what one thread would, in its order, afterwards, on the calling thread.
+template <typename Collector, typename Pair>
+PairCount count_in_parts(const MovingPair& models, const ImpactOptions& options, FunctionRef<bool(const Pair&)> visit) {
+  PairCount result;
+  base::ListFiller<Pair> none;
+  Collector lister(options, none);
+  pair::BudgetMeter meter(options.budget);
+  ImpactSearch<Collector> top(models, options.min_separation, lister, meter);
+  const std::vector<SlotPair> parts = top.split(pair::part_count);
+  result.stats = top.stats();
+  const auto found = pair::search_parts<base::ListFiller<Pair>>(
+      parts, result.stats, [&](const SlotPair& part, base::ListFiller<Pair>& list, QueryStats& stats) {
+        Collector collector(options, list);
+        pair::BudgetMeter own_meter(options.budget);
+        ImpactSearch<Collector> search(models, options.min_separation, collector, own_meter);
+        search.run(part);
+        stats = search.stats();
+      });
+  pair::visit_found(found, visit, result);
   return result;
 }
 
 /// Visits pairs with a collector of all of them.
 template <typename Collector, typename Visitor>
 PairCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
-  if (pair::runs_in_parallel(options)) return visit_in_parts(models, options, visit);
+  if (pair::runs_in_parallel(options)) return count_in_parts<Collector>(models, options, visit);
   Collector collector(options, visit);
   pair::BudgetMeter meter(options.budget);
   ImpactSearch<Collector> search(models, options.min_separation, collector, meter);

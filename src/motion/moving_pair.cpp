@@ -51,7 +51,7 @@ MovingLeafOf MovingPair::leaf(Side s, bvh::SlotId slot) const {
   const bvh::Leaf& leaf = tree(s).leaves[i];
   std::uint64_t of_slots = 0;
   for (std::uint32_t k = 0; k < bvh::width; ++k) {
-    if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) break;  // the others repeat it
+    if (!leaf.is_in_use(k)) break;
     of_slots |= (simd::OwnedElements::is_in_use | Access::represented_by(*model(s).edges, leaf.triangle[k])) << (8 * k);
   }
   return {leaf, model(s).tree.leaves[i], {of_slots}};

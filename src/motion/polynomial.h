@@ -6,17 +6,14 @@
 #include <array>
 #include <cstddef>
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include "geometry/integers.h"
 
 /// Polynomials in time with integer coefficients: how many roots lie in an interval, and signs, all exact.
 namespace limber::motion {
 
-/// Up to 512 bits are stored in place; more are allocated. Coordinates that are multiples of one unit, up to 2^60 of
-/// it, make a determinant of 190 bits, and of 350 where that is multiplied by times of 53 bits. Remainders are longer.
-using Integer = boost::multiprecision::number<
-    boost::multiprecision::cpp_int_backend<512, 0, boost::multiprecision::signed_magnitude,
-                                           boost::multiprecision::unchecked>,
-    boost::multiprecision::et_off>;
+/// Coordinates that are multiples of one unit, up to 2^60 of it, make a determinant of 190 bits, and of 350 where that
+/// is multiplied by times of 53 bits. Remainders are longer.
+using geometry::Integer;
 
 /// A time n / 2^shift.
 struct DyadicTime {

@@ -19,7 +19,7 @@ class AllOfLeaves {
  public:
   AllOfLeaves(const Search& search, const NodeBounds<Collector>& bounds, Collector& collector)
       : search_(search),
-        trees_(bounds.trees()),
+        bounds_(bounds),
         collector_(collector),
         kernels_(simd::kernels()),
         a_(search.placed, Side::a),
@@ -31,8 +31,9 @@ class AllOfLeaves {
 
   [[gnu::always_inline]] bool compare(const NodePair& pair, bool, double&) {
     if constexpr (ComparesLeaves<Collector>) {
-      const LeafPair leaves{trees_.as_leaf(Side::a, pair), trees_.as_leaf(Side::b, pair), trees_.leaf(Side::a, pair),
-                            trees_.leaf(Side::b, pair),    search_.frames.of(Side::a),    search_.pruning.of(Side::a)};
+      const LeafPair leaves{bounds_.as_leaf(Side::a, pair), bounds_.as_leaf(Side::b, pair),
+                            bounds_.leaf(Side::a, pair),    bounds_.leaf(Side::b, pair),
+                            search_.frames.of(Side::a),     search_.pruning.of(Side::a)};
       collector_.compare_leaves(leaves, search_.stats);
     } else {
       compare_triangles(pair);
@@ -45,9 +46,9 @@ class AllOfLeaves {
   static constexpr std::uint32_t worth_refining = 2;
 
   [[gnu::always_inline]] void compare_triangles(const NodePair& pair) {
-    const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
+    const simd::SelfPair self{bounds_.leaf(Side::a, pair), bounds_.leaf(Side::b, pair)};
     simd::Candidates found;
-    kernels_.find_candidates(trees_.as_leaf(Side::a, pair), trees_.as_leaf(Side::b, pair), search_.frames.of(Side::a),
+    kernels_.find_candidates(bounds_.as_leaf(Side::a, pair), bounds_.as_leaf(Side::b, pair), search_.frames.of(Side::a),
                              search_.pruning.of(Side::a), Collector::is_self ? &self : nullptr, false, found);
     if (found.count == 0) return;
     if (found.count >= worth_refining) kernels_.refine_candidates(found);
@@ -62,7 +63,7 @@ class AllOfLeaves {
   }
 
   Search search_;
-  const typename NodeBounds<Collector>::Trees& trees_;
+  const NodeBounds<Collector>& bounds_;
   Collector& collector_;
   const simd::Kernels& kernels_;
   PlacedLeaf a_, b_;  // of the leaves that were compared last

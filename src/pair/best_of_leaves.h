@@ -42,13 +42,10 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
 template <typename Collector>
 class BestOfLeaves {
  public:
-  using Trees = typename NodeBounds<Collector>::Trees;
-
   /// The steps that the state has now do not count for the budget.
   BestOfLeaves(const Search& search, const NodeBounds<Collector>& bounds, Collector& collector, TraversalState& state)
       : search_(search),
         bounds_(bounds),
-        trees_(bounds.trees()),
         collector_(collector),
         state_(state),
         kernels_(simd::kernels()),
@@ -98,8 +95,8 @@ class BestOfLeaves {
   /// The first comparison since the query began is finished, whatever the budget.
   bool compare(const NodePair& pair, bool needs_bound, double& apart) {
     const std::uint64_t steps = state_.steps - first_step_;
-    const simd::SlotRef leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
-    const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
+    const simd::SlotRef leaf_a = bounds_.as_leaf(Side::a, pair), leaf_b = bounds_.as_leaf(Side::b, pair);
+    const simd::SelfPair self{bounds_.leaf(Side::a, pair), bounds_.leaf(Side::b, pair)};
     a_.take(self.a), b_.take(self.b);
     const bool are_first_leaves = !state_.descents.has_reached_leaves();  // end_at_leaves() changes that
     const bool has_descended = state_.descents.end_at_leaves(state_.steps);
@@ -126,7 +123,7 @@ class BestOfLeaves {
       const bool has_found_any =
           search_.pruning.has_direction() && search_.pruning.distance() < collector_.initial_cutoff();
       if (has_found_any && state_.seed.may_look_near()) {
-        state_.seed.look_near(trees_.leaf_slot(Side::a, pair), trees_.leaf_slot(Side::b, pair));
+        state_.seed.look_near(bounds_.leaf_slot(Side::a, pair), bounds_.leaf_slot(Side::b, pair));
       }
     }
     return !collector_.is_done();
@@ -250,7 +247,6 @@ class BestOfLeaves {
 
   Search search_;
   const NodeBounds<Collector>& bounds_;
-  const Trees& trees_;
   Collector& collector_;
   TraversalState& state_;
   const simd::Kernels& kernels_;

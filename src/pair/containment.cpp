@@ -34,8 +34,8 @@ class InsideSearch {
     bvh::SlotStack waiting;
     waiting.start(0);
     for (bvh::SlotStack::Entry next; waiting.take(0, next);) {
-      const Vec3 center = center_of(next.slot);
-      const double radius = radius_of(next.slot);
+      const Vec3 center = model_.center_of(next.slot);
+      const double radius = model_.radius_of(next.slot) + 2 * error_;
       if (is_off_solid(center, radius)) continue;
       if (meter.is_spent(steps)) return Answer::undecided;
       ++steps;
@@ -52,7 +52,7 @@ class InsideSearch {
       }
       const bvh::Leaf& leaf = bvh::leaf_of(tree, next.slot);
       for (std::uint32_t k = 0; k < bvh::width; ++k) {
-        if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) continue;  // the slot is not in use
+        if (!leaf.is_in_use(k)) continue;
         const Vec3 corner = model_.position(leaf.vertices[k][0]);
         if (is_off_solid(corner, 0)) continue;
         if (meter.is_spent(steps)) return Answer::undecided;
@@ -78,14 +78,6 @@ class InsideSearch {
   }
 
  private:
-  Vec3 center_of(bvh::SlotId slot) const { return model_.pose()(bvh::slot_center(model_.tree(), slot)); }
-
-  double radius_of(bvh::SlotId slot) const {
-    const bvh::Tree& tree = model_.tree();
-    const double units = tree.nodes[bvh::node_of(slot)].bounds.radius[bvh::slot_of(slot)];
-    return (tree.unit * units + tree.slack) * (1 + base::rigidity_error) + 2 * error_;
-  }
-
   /// Whether a ball certainly misses the box around the solid, or its slab: then it is outside.
   bool is_off_solid(const Vec3& center, double radius) {
     ++stats_.node_tests;
@@ -96,10 +88,7 @@ class InsideSearch {
   bool meets_surface(const Vec3& center, double radius) {
     return closest_.find(center, radius, stats_, radius).has_value();
   }
-  bool is_inside(const Vec3& point) {
-    const point::Surrounding surrounding = point::surrounding_of(solid_, point, stats_);
-    return surrounding.is_on || surrounding.winding_number != 0;
-  }
+  bool is_inside(const Vec3& point) { return point::surrounding_of(solid_, point, stats_).is_inside_or_on(); }
   void take(const bvh::Leaf& leaf, std::uint32_t k) {
     vertex_ = model_.position(leaf.vertices[k][0]), triangle_ = leaf.triangle[k];
   }

@@ -55,7 +55,7 @@ class FrontRecorder {
     const Front::Record& r = front_.records()[record];
     if (front_.bound_of(r) >= pruning_.cutoff()) return false;
     const Side side = r.expands_a ? Side::a : Side::b;
-    e.start(bounds.trees().tree(side), NodePair::of(r.slot[0], r.slot[1], e.pair.bound_sq), side);
+    e.start(bounds.tree(side), NodePair::of(r.slot[0], r.slot[1], e.pair.bound_sq), side);
     e.record = record;
     e.has_record = true;
     e.children = front_.take(record, pruning_.cutoff());

@@ -10,8 +10,6 @@
 #include "base/span_filler.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"
-#include "pair/collectors/pairs.h"
-#include "pair/placed_pair.h"
 
 namespace limber::pair {
 
@@ -25,9 +23,7 @@ std::vector<Found> search_parts(const std::vector<Part>& parts, QueryStats& stat
   std::vector<Found> found(parts.size());
   std::vector<QueryStats> stats_of(parts.size());
   base::parallel_for(parts.size(), 1, [&](std::size_t i) { search(parts[i], found[i], stats_of[i]); });
-  for (const QueryStats& s : stats_of) {
-    stats.node_tests += s.node_tests, stats.primitive_tests += s.primitive_tests;
-  }
+  for (const QueryStats& s : stats_of) stats += s;
   return found;
 }
 
@@ -49,18 +45,6 @@ void visit_found(const std::vector<base::ListFiller<Pair>>& parts, FunctionRef<b
     }
   }
 }
-
-// visit_intersections() and visit_contacts() on the threads of the calling arena. The visitor is called afterwards, by
-// the calling thread, with the pairs that one thread would find, in its order. In a source of their own, so that the
-// compiler inlines the loop of one thread as if there were no other.
-PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs, TrianglePairVisitor visit,
-                                       const QueryBudget& budget);
-PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, TrianglePairVisitor visit,
-                                       const QueryBudget& budget);
-PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs, double margin,
-                                  ContactVisitor visit, const QueryBudget& budget);
-PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, double margin,
-                                  ContactVisitor visit, const QueryBudget& budget);
 
 /// Whether any triangles of two models, or of one with itself, intersect, on the threads of the calling arena. Pre: no
 /// body has a radius or is solid. `stats` mean something if none do: otherwise threads have ended sooner or later.

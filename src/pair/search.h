@@ -272,6 +272,26 @@ std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& mak
                              });
 }
 
+/// Offers all pairs to a collector, make_collector(visitor); or, in parallel, to one for each part, and visits
+/// afterwards, on the calling thread and in the same order, what they have found.
+template <typename Collector, typename Pair, typename Options, typename Make>
+PairCount visit_all(const PlacedPair& placed, const Make& make_collector, FunctionRef<bool(const Pair&)> visit,
+                    const Options& options) {
+  PairCount result;
+  if (runs_in_parallel(options)) {
+    using List = base::ListFiller<Pair>;
+    visit_found(search_all_in_parts<Collector, List>(placed, make_collector, options.budget, result.stats), visit,
+                result);
+    return result;
+  }
+  Collector collector = make_collector(visit);
+  BudgetMeter meter(options.budget);
+  result.stopped_by = search_all(placed, collector, meter, result.stats);
+  result.count = collector.count;
+  result.is_complete = !collector.is_done() && result.stopped_by == StoppedBy::nothing;
+  return result;
+}
+
 /// Notes an answer for the next query.
 inline void remember(QueryCache* cache, const Witness& witness) {
   if (cache == nullptr) return;

@@ -15,8 +15,7 @@ CommonBallsSearch::CommonBallsSearch(const point::PlacedModel& a, const point::P
 
 std::optional<CommonBalls> CommonBallsSearch::at(const Vec3& point, pair::Meter& meter) {
   for (const point::PlacedModel* model : {&a_, &b_}) {
-    const point::Surrounding surrounding = point::surrounding_of(*model, point, meter.stats);
-    if (!surrounding.is_on && surrounding.winding_number == 0) return std::nullopt;
+    if (!point::surrounding_of(*model, point, meter.stats).is_inside_or_on()) return std::nullopt;
   }
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const std::optional<SurfacePoint> a = closest_a_.find(point, infinity, meter.stats);

@@ -23,8 +23,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double stretch = 1 + base::rigidity_error;
 
 bool contains(const point::PlacedModel& solid, const Vec3& point, pair::Meter& meter) {
-  const point::Surrounding surrounding = point::surrounding_of(solid, point, meter.stats);
-  return surrounding.is_on || surrounding.winding_number != 0;
+  return point::surrounding_of(solid, point, meter.stats).is_inside_or_on();
 }
 
 }  // namespace
@@ -60,15 +59,7 @@ void DeepestVertexSearch::run(pair::Meter& meter) {
   if (meter.stopped_by() == StoppedBy::nothing) waiting_.clear();
 }
 
-Vec3 DeepestVertexSearch::center_of(bvh::SlotId slot) const {
-  return model_.pose()(bvh::slot_center(model_.tree(), slot));
-}
-
-double DeepestVertexSearch::radius_of(bvh::SlotId slot) const {
-  const bvh::Tree& tree = model_.tree();
-  const double radius = tree.nodes[bvh::node_of(slot)].bounds.radius[bvh::slot_of(slot)];
-  return (tree.unit * radius + tree.slack) * stretch + error_;
-}
+double DeepestVertexSearch::radius_of(bvh::SlotId slot) const { return model_.radius_of(slot) + error_; }
 
 /// At least the distance of anything in a volume from a point of the solid's surface: by its box, or its slab.
 double DeepestVertexSearch::reach_from(const Vec3& surface, bvh::SlotId slot) const {
@@ -84,7 +75,7 @@ double DeepestVertexSearch::reach_from(const Vec3& surface, bvh::SlotId slot) co
 
 /// How deep the center of a slot is; nothing if no vertex below it can win.
 std::optional<DeepestVertexSearch::Depth> DeepestVertexSearch::depth_at(const Entry& entry, pair::Meter& meter) {
-  const Vec3 center = center_of(entry.slot);
+  const Vec3 center = model_.center_of(entry.slot);
   const bool is_inside = entry.is_inside || contains(solid_, center, meter);
   double farthest = infinity;
   if (!is_inside) {
@@ -104,7 +95,7 @@ void DeepestVertexSearch::add_children(const Entry& entry, const Depth& center) 
   const std::uint32_t node = bvh::child_of(tree, entry.slot);
   for (std::uint32_t k = 0; k < tree.nodes[node].child_count; ++k) {
     const bvh::SlotId slot = node * bvh::width + k;
-    const double away = geometry::safe_length(center_of(slot) - center.at) * base::outward + radius_of(slot);
+    const double away = geometry::safe_length(model_.center_of(slot) - center.at) * base::outward + radius_of(slot);
     const double bound = std::min({entry.bound, center.depth + away, reach_from(center.surface, slot)});
     if (!can_win(bound)) continue;
     waiting_.push({bound, slot, center.depth > away + error_, center.surface});

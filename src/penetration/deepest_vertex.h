@@ -46,7 +46,6 @@ class DeepestVertexSearch {
   };
 
   bool can_win(double bound) const { return bound + error_ >= (best_ ? best_->depth : 0); }
-  Vec3 center_of(bvh::SlotId slot) const;
   double radius_of(bvh::SlotId slot) const;
   double reach_from(const Vec3& surface, bvh::SlotId slot) const;
   std::optional<Depth> depth_at(const Entry& entry, pair::Meter& meter);

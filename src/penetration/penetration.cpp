@@ -65,7 +65,7 @@ SolidDistance signed_distance(const PlacedSurface& a, const PlacedSurface& b, co
     result.stopped_by = meter.stopped_by() == StoppedBy::nothing ? apart.stopped_by : meter.stopped_by();
   }
   result.stats = meter.stats;
-  result.stats.node_tests += apart.stats.node_tests, result.stats.primitive_tests += apart.stats.primitive_tests;
+  result.stats += apart.stats;
   return result;
 }
 

@@ -25,6 +25,10 @@ namespace limber::penetration {
 namespace {
 
 constexpr std::size_t most_contacts = 4096, most_contact_starts = 4;  // that are looked at, and to climb from
+// What rounds, in tolerances of the sweep: placing each body, once before the move and once after it.
+constexpr double placed_twice = 4;
+// Placing each body once: depths and radii may be too large by that much.
+constexpr double placed_once = 2;
 constexpr int most_refinements = 16, most_pushes = 16;
 // A refinement has to shorten a translation by this part of it to be worth another one.
 constexpr double least_gain = 0x1p-10;
@@ -71,13 +75,14 @@ ShortestTranslation::ShortestTranslation(const Placed& a, const Placed& b, doubl
   const Vec3 between = center_of(b) - center_of(a);
   const double radii = a.model().bounding_sphere().radius + b.model().bounding_sphere().radius;
   const double apart = geometry::safe_length(between);
-  upper_ = std::max(0.0, radii * (1 + base::rigidity_error) - apart * (1 - 0x1p-40)) + 4 * sweep_.tolerance();
+  upper_ = std::max(0.0, radii * (1 + base::rigidity_error) - apart * base::inward) + placed_twice * sweep_.tolerance();
   translation_ = upper_ * (apart > 0 ? unit(between) : Vec3{1, 0, 0});
   upper_ *= base::outward;
 }
 
 bool ShortestTranslation::is_done() const {
-  return upper_ <= (1 + relative_error_) * lower_ + 4 * sweep_.tolerance() || meter_.stopped_by() != StoppedBy::nothing;
+  return upper_ <= (1 + relative_error_) * lower_ + placed_twice * sweep_.tolerance() ||
+         meter_.stopped_by() != StoppedBy::nothing;
 }
 
 /// Takes a translation that is shorter than the best one, if a query proves that the surfaces do not meet after it.
@@ -87,7 +92,7 @@ bool ShortestTranslation::accept(const Vec3& translation) {
   const Placed b = moved(b_, translation);
   if (size >= upper_ || !geometry::is_rigid(b.pose)) return false;
   const CollideResult met = collide(a_, b, {.budget = meter_.limits_of_time()});
-  meter_.stats.node_tests += met.stats.node_tests, meter_.stats.primitive_tests += met.stats.primitive_tests;
+  meter_.stats += met.stats;
   meter_.stop(met.stopped_by);
   if (!met.is_no()) return false;
   translation_ = translation, upper_ = size;
@@ -118,7 +123,7 @@ void ShortestTranslation::look_at_contacts() {
                                            return sample.count < most_contacts && !meter_.is_spent();
                                          },
                                          {.oriented_faces = OrientedFaces::both, .budget = meter_.limits_of_time()});
-  meter_.stats.node_tests += found.stats.node_tests, meter_.stats.primitive_tests += found.stats.primitive_tests;
+  meter_.stats += found.stats;
   meter_.stop(found.stopped_by);
   if (max_abs(way) > 0) directions_.push_back(unit(way));
   starts_ = std::move(sample.points);
@@ -129,14 +134,15 @@ void ShortestTranslation::look_at_contacts() {
 void ShortestTranslation::raise_lower(const DeepestPair& deepest) {
   for (const auto& vertex : {deepest.of_a, deepest.of_b}) {
     if (!vertex) continue;
-    if (vertex->depth > 2 * sweep_.tolerance()) lower_ = std::max(lower_, vertex->depth);  // else it may but touch
+    if (vertex->depth > placed_once * sweep_.tolerance())
+      lower_ = std::max(lower_, vertex->depth);  // else it may but touch
     starts_.push_back(0.5 * (vertex->position + vertex->closest.position));
   }
   starts_.push_back(center_of(a_)), starts_.push_back(center_of(b_));
   const double reach = std::min(a_.model().bounding_sphere().radius, b_.model().bounding_sphere().radius);
   for (const Vec3& start : starts_) balls_.climb(start, reach, meter_);
   if (!balls_.best()) return;
-  lower_ = std::max(lower_, balls_.best()->radii - 2 * sweep_.tolerance());
+  lower_ = std::max(lower_, balls_.best()->radii - placed_once * sweep_.tolerance());
   const Vec3 between = balls_.best()->out_a - balls_.best()->out_b;
   if (max_abs(between) > 0) directions_.push_back(unit(between));
 }
@@ -194,7 +200,7 @@ void ShortestTranslation::push_out(DeepestPair deepest) {
   for (int i = 0; i < most_pushes && (deepest.of_a || deepest.of_b); ++i) {
     const bool is_of_a = deepest.of_a && (!deepest.of_b || deepest.of_a->depth >= deepest.of_b->depth);
     const DeepestVertex& vertex = is_of_a ? *deepest.of_a : *deepest.of_b;
-    const double size = vertex.depth * base::outward + 4 * sweep_.tolerance();
+    const double size = vertex.depth * base::outward + placed_twice * sweep_.tolerance();
     translation = translation + size * (is_of_a ? -vertex.direction : vertex.direction);
     const Placed b = moved(b_, translation);
     if (!(geometry::safe_length(translation) < upper_) || !geometry::is_rigid(b.pose)) return;

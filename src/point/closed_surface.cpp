@@ -21,7 +21,7 @@ SignedDistance signed_distance_of(const point::PlacedModel& placed, point::Close
   SignedDistance result;
   result.closest = search.find(point, max_distance, result.stats);
   const point::Surrounding surrounding = point::surrounding_of(placed, point, result.stats);
-  result.is_inside = surrounding.is_on || surrounding.winding_number != 0;
+  result.is_inside = surrounding.is_inside_or_on();
   return result;
 }
 

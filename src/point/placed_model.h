@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/check.h"
+#include "base/error_bounds.h"
 #include "bvh/tree.h"
 #include "limber/model.h"
 #include "simd/kernels.h"
@@ -48,6 +49,14 @@ class PlacedModel {
     LIMBER_ASSERT(std::max({corners[0], corners[1], corners[2]}) < mesh_.positions.size());
     const auto& positions = mesh_.positions;
     return {pose_(positions[corners[0]]), pose_(positions[corners[1]]), pose_(positions[corners[2]])};
+  }
+
+  /// The center of the sphere of a slot, in the world.
+  Vec3 center_of(bvh::SlotId slot) const { return pose_(bvh::slot_center(*tree_, slot)); }
+  /// The radius of a sphere about it, around all that the slot has below, but for what placing rounds.
+  double radius_of(bvh::SlotId slot) const {
+    const double units = tree_->nodes[bvh::node_of(slot)].bounds.radius[bvh::slot_of(slot)];
+    return (tree_->unit * units + tree_->slack) * (1 + base::rigidity_error);
   }
 
   /// A point of the world as the kernels need it.

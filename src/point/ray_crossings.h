@@ -32,7 +32,7 @@ bool visit_crossed(const PlacedModel& model, const AxisRay& ray, QueryStats& sta
     unsigned crossed = simd::kernels().find_crossed_triangles(at.node, at.slot, leaf.corners, ray.in_frame);
     for (; crossed != 0; crossed &= crossed - 1) {
       const auto k = static_cast<std::uint32_t>(std::countr_zero(crossed));
-      if (k > 0 && leaf.triangle[k] == leaf.triangle[k - 1]) continue;  // the slot is not in use
+      if (!leaf.is_in_use(k)) continue;
       ++stats.primitive_tests;
       if (!visit(model.triangle(leaf.vertices[k]))) return false;
     }
@@ -44,6 +44,8 @@ bool visit_crossed(const PlacedModel& model, const AxisRay& ray, QueryStats& sta
 struct Surrounding {
   bool is_on = false;  ///< whether the point lies on a triangle; then the winding number means nothing
   int winding_number = 0;
+
+  bool is_inside_or_on() const { return is_on || winding_number != 0; }
 };
 
 /// Counts how a ray from a point along an axis of the world crosses a closed surface.

@@ -52,9 +52,8 @@ bool AnyWithinSearch::ask_waiting() {
     for (std::size_t first = first_yes; i < first && !first_yes.compare_exchange_weak(first, i);) {
     }
   });
-  QueryStats& stats = found_.result.stats;
   for (std::size_t i = 0; i < std::min(first_yes + 1, waiting_.size()); ++i) {
-    stats.node_tests += results_[i].stats.node_tests, stats.primitive_tests += results_[i].stats.primitive_tests;
+    found_.result.stats += results_[i].stats;
     scene::note(results_[i].stopped_by, stopped_by_);
   }
   if (first_yes < waiting_.size()) {
@@ -92,18 +91,18 @@ AnyWithinResult AnyWithinSearch::run(std::optional<ObjectPairFilter> filter) {
 
 }  // namespace
 
-AnyWithinResult scene::find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
+AnyWithinResult scene::find_any_within(const Scene::Impl& scene, double max_distance, const SceneQueryOptions& options,
                                        std::size_t grain) {
   return AnyWithinSearch(scene, max_distance, options.budget, grain).run(options.filter);
 }
 
-AnyWithinResult Scene::any_within(double max_distance, const AnyWithinOptions& options) const {
+AnyWithinResult Scene::any_within(double max_distance, const SceneQueryOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("any_within");
-  LIMBER_REQUIRE(scene.is_committed(),
-                 "limber::Scene::any_within: objects or models have changed since the last commit");
+  scene::require_committed(scene, "limber::Scene::any_within");
   LIMBER_REQUIRE(base::is_finite_and_not_negative(max_distance),
                  "limber::Scene::any_within: max_distance must be finite and at least 0");
+  LIMBER_REQUIRE(options.cache == nullptr, "limber::Scene::any_within: takes no cache");
   return scene::find_any_within(scene, max_distance, options, scene::pairs_per_task);
 }
 

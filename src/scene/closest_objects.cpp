@@ -94,8 +94,8 @@ void ClosestSearch::ask_round(std::span<const Waiting> round) {
   });
   DistanceResult& closest = closest_.result;
   for (std::size_t i = 0; i < round.size(); ++i) {
-    const QueryStats stats{closest.stats.node_tests + results_[i].stats.node_tests,
-                           closest.stats.primitive_tests + results_[i].stats.primitive_tests};
+    QueryStats stats = closest.stats;
+    stats += results_[i].stats;
     const double lower = std::min(closest.lower, results_[i].lower);
     scene::note(results_[i].stopped_by, stopped_by_);
     if (results_[i].upper < closest.upper) {
@@ -197,33 +197,26 @@ ClosestObjectsResult ClosestSearch::finish() {
 
 }  // namespace
 
-ClosestObjectsResult scene::find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options,
+ClosestObjectsResult scene::find_closest(const Scene::Impl& scene, const SceneDistanceOptions& options,
                                          std::size_t grain) {
-  const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
-                                options.budget};
-  return ClosestSearch(scene, of_pair, options.cache, grain).among_objects(options.filter);
+  return ClosestSearch(scene, options.distance, options.cache, grain).among_objects(options.filter);
 }
 
-ClosestObjectsResult Scene::closest_objects(const ClosestObjectsOptions& options) const {
+ClosestObjectsResult Scene::closest_objects(const SceneDistanceOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("closest_objects");
-  LIMBER_REQUIRE(scene.is_committed(),
-                 "limber::Scene::closest_objects: objects or models have changed since the last commit");
-  base::check_options(DistanceOptions{options.relative_error, options.absolute_error, options.max_distance},
-                      "limber::Scene::closest_objects");
+  scene::require_committed(scene, "limber::Scene::closest_objects");
+  scene::check_options(options.distance, "limber::Scene::closest_objects");
   return scene::find_closest(scene, options, scene::pairs_per_task);
 }
 
 ClosestObjectResult Scene::closest_object(const Placed& model, const ClosestObjectOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("closest_object");
-  LIMBER_REQUIRE(scene.is_committed(),
-                 "limber::Scene::closest_object: objects or models have changed since the last commit");
-  const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
-                                options.budget};
-  base::check_options(of_pair, "limber::Scene::closest_object");
+  scene::require_committed(scene, "limber::Scene::closest_object");
+  scene::check_options(options.distance, "limber::Scene::closest_object");
   require_ready(model, "limber::Scene::closest_object", "the model");
-  ClosestSearch search(scene, of_pair, nullptr, scene::pairs_per_task);
+  ClosestSearch search(scene, options.distance, nullptr, scene::pairs_per_task);
   const ClosestObjectsResult found = search.next_to(model, options.filter);
   return {found.objects.b, found.result};
 }

@@ -29,7 +29,7 @@ struct Configurations {
 
 void check_configurations(const Scene::Impl& scene, const Configurations& all, const char* function) {
   const auto text = [&](const char* what) { return std::string(function) + ": " + what; };
-  LIMBER_REQUIRE(scene.is_committed(), text("objects or models have changed since the last commit").c_str());
+  scene::require_committed(scene, function);
   // By a division: a product might wrap around.
   const bool is_whole = all.ids.empty()
                             ? all.poses.empty()
@@ -84,19 +84,19 @@ void ask_configurations(const Scene::Impl& scene, const Configurations& all, con
 }  // namespace
 
 void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
-                                 std::span<ClosestObjectsResult> results, const ClosestObjectsOptions& options) const {
+                                 std::span<ClosestObjectsResult> results, const SceneDistanceOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   constexpr const char* function = "limber::Scene::closest_objects_many";
   const Impl& scene = impl("closest_objects_many");
   const Configurations all{ids, poses, results.size()};
   check_configurations(scene, all, function);
-  base::check_options(DistanceOptions{options.relative_error, options.absolute_error, options.max_distance}, function);
+  scene::check_options(options.distance, function);
   LIMBER_REQUIRE(options.cache == nullptr, "limber::Scene::closest_objects_many: takes no cache");
-  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene, options.budget);
-  ClosestObjectsOptions of_each = options;
+  const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene, options.distance.budget);
+  SceneDistanceOptions of_each = options;
   if (counts) of_each.filter = *counts;
   ask_configurations(
-      scene, all, options.budget, results,
+      scene, all, options.distance.budget, results,
       [&](const Impl& own) { return scene::find_closest(own, of_each, scene::no_tasks); },
       [](StoppedBy stopped_by) {
         ClosestObjectsResult undecided;
@@ -107,15 +107,16 @@ void Scene::closest_objects_many(std::span<const ObjectId> ids, std::span<const 
 }
 
 void Scene::any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
-                            std::span<AnyWithinResult> results, const AnyWithinOptions& options) const {
+                            std::span<AnyWithinResult> results, const SceneQueryOptions& options) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("any_within_many");
   const Configurations all{ids, poses, results.size()};
   check_configurations(scene, all, "limber::Scene::any_within_many");
   LIMBER_REQUIRE(base::is_finite_and_not_negative(max_distance),
                  "limber::Scene::any_within_many: max_distance must be finite and at least 0");
+  LIMBER_REQUIRE(options.cache == nullptr, "limber::Scene::any_within_many: takes no cache");
   const std::optional<ObjectPairMatrix> counts = answers_of(options.filter, scene, options.budget);
-  AnyWithinOptions of_each = options;
+  SceneQueryOptions of_each = options;
   if (counts) of_each.filter = *counts;
   ask_configurations(
       scene, all, options.budget, results,

@@ -32,9 +32,8 @@ class ImpactSearch {
         path_(path),
         motion_(motion),
         filter_(options.filter),
+        of_pair_(options.path),
         asked_(scene.objects.size()) {
-    of_pair_.max_time = options.max_time, of_pair_.min_separation = options.min_separation;
-    of_pair_.distance_error = options.distance_error, of_pair_.budget = options.budget;
     found_.result.status = ImpactStatus::clear;
     found_.result.time = std::numeric_limits<double>::infinity();
   }
@@ -81,8 +80,8 @@ void ImpactSearch::ask(ObjectId id) {
   const PathImpact impact = motion::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
   PathImpact& first = found_.result;
   const std::uint64_t distances = first.distance_count + impact.distance_count;
-  const QueryStats stats{first.stats.node_tests + impact.stats.node_tests,
-                         first.stats.primitive_tests + impact.stats.primitive_tests};
+  QueryStats stats = first.stats;
+  stats += impact.stats;
   // A contact and an object that could not be decided may share a time: the contact counts.
   const bool is_first = impact.time < first.time || (impact.witness && !first.witness && impact.time == first.time);
   if (is_first) {
@@ -117,10 +116,10 @@ ObjectImpactResult ImpactSearch::run() {
 }
 
 void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions& options) {
-  LIMBER_REQUIRE(scene.is_committed(),
-                 "limber::Scene::time_of_impact: objects or models have changed since the last commit");
+  scene::require_committed(scene, "limber::Scene::time_of_impact");
   require_ready(Placed(body), time_of_impact_name, "the model");
-  motion::check_options({options.max_time, options.min_separation, options.distance_error}, time_of_impact_name);
+  motion::check_path_options(options.path, time_of_impact_name);
+  LIMBER_REQUIRE(options.path.cache == nullptr, "limber::Scene::time_of_impact: path takes no cache");
 }
 
 }  // namespace

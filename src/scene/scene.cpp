@@ -145,17 +145,17 @@ void Scene::commit() {
 
 // --- candidate pairs ---
 
-PairCount Scene::visit_candidate_pairs(double margin, ObjectPairVisitor visit, const ObjectPairOptions& options) const {
+PairCount Scene::visit_candidate_pairs(double margin, ObjectPairVisitor visit,
+                                       std::optional<ObjectPairFilter> filter) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("visit_candidate_pairs");
   LIMBER_REQUIRE(base::is_finite_and_not_negative(margin),
                  "limber::Scene::candidate_pairs: margin must be finite and at least 0");
-  LIMBER_REQUIRE(scene.is_committed(),
-                 "limber::Scene::candidate_pairs: objects or models have changed since the last commit");
+  scene::require_committed(scene, "limber::Scene::candidate_pairs");
   PairCount found;
   const auto visit_ranks = [&](std::uint32_t rank_a, std::uint32_t rank_b) {
     const ObjectPair pair = scene.pair_of(rank_a, rank_b);
-    if (options.filter && !(*options.filter)(pair.a, pair.b)) return true;
+    if (filter && !(*filter)(pair.a, pair.b)) return true;
     ++found.count;
     found.is_complete = visit(pair);
     return found.is_complete;
@@ -167,29 +167,29 @@ PairCount Scene::visit_candidate_pairs(double margin, ObjectPairVisitor visit, c
   return found;
 }
 
-PairCount Scene::candidate_pairs(double margin, std::span<ObjectPair> pairs, const ObjectPairOptions& options) const {
+PairCount Scene::candidate_pairs(double margin, std::span<ObjectPair> pairs,
+                                 std::optional<ObjectPairFilter> filter) const {
   std::size_t count = 0;
   const auto write = [&](const ObjectPair& pair) {
     if (count < pairs.size()) pairs[count] = pair;
     ++count;
     return true;
   };
-  return visit_candidate_pairs(margin, write, options);
+  return visit_candidate_pairs(margin, write, filter);
 }
 
 PairCount Scene::visit_candidates(const Placed& model, double margin, ObjectVisitor visit,
-                                  const CandidateOptions& options) const {
+                                  std::optional<ObjectFilter> filter) const {
   const base::DefaultFloatEnvironment environment;
   const Impl& scene = impl("visit_candidates");
-  LIMBER_REQUIRE(scene.is_committed(),
-                 "limber::Scene::visit_candidates: objects or models have changed since the last commit");
+  scene::require_committed(scene, "limber::Scene::visit_candidates");
   base::check_margin(margin, "limber::Scene::visit_candidates");
   require_ready(model, "limber::Scene::visit_candidates", "the model");
   const scene::WorldBounds bounds = scene::world_bounds(scene::local_bounds(model.body()), model.pose);
   PairCount found;
   found.is_complete = scene.tree.visit_near(bounds, scene::margin_with_error(margin), [&](std::uint32_t rank) {
     const ObjectId id = scene.tree.id_of(rank);
-    if (options.filter && !(*options.filter)(id)) return true;
+    if (filter && !(*filter)(id)) return true;
     ++found.count;
     return visit(id);
   });

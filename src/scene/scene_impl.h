@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/check.h"
@@ -48,4 +49,12 @@ struct Scene::Impl {
   }
 };
 
+namespace scene {
+
+inline void require_committed(const Scene::Impl& scene, const char* function) {
+  LIMBER_REQUIRE(scene.is_committed(),
+                 (std::string(function) + ": objects or models have changed since the last commit").c_str());
+}
+
+}  // namespace scene
 }  // namespace limber

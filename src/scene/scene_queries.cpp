@@ -21,10 +21,12 @@
 namespace limber {
 namespace {
 
-void check_pairs(const Scene::Impl& scene, std::span<const ObjectPair> pairs, std::size_t result_count) {
+void check_pairs(const Scene::Impl& scene, std::span<const ObjectPair> pairs, std::size_t result_count,
+                 const std::optional<ObjectPairFilter>& filter) {
   LIMBER_REQUIRE(scene.is_committed(),
                  "limber::Scene: a query needs a committed scene; objects or models have changed since then");
   LIMBER_REQUIRE(pairs.size() == result_count, "limber::Scene: results: there are not as many as pairs");
+  LIMBER_REQUIRE(!filter, "limber::Scene: filter: a list of pairs takes none");
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     LIMBER_REQUIRE_ENTRY(scene.contains(pairs[i].a) && scene.contains(pairs[i].b), "limber::Scene: pairs", i,
                          "names no object of the scene");
@@ -32,11 +34,12 @@ void check_pairs(const Scene::Impl& scene, std::span<const ObjectPair> pairs, st
 }
 
 /// Calls ask(i, a, b, cache) for each pair i of objects a and b, unless nobody wants the answers any more.
-template <typename Options, typename Ask>
-void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, const Options& options, const Ask& ask) {
+template <typename Ask>
+void ask_each(const Scene::Impl& scene, std::span<const ObjectPair> pairs, SceneCache* cache, const QueryBudget& budget,
+              const Ask& ask) {
   std::span<QueryCache* const> caches;
-  if (options.cache != nullptr) caches = Access::impl(*options.cache).caches_of(pairs);
-  const std::atomic<bool>* const abandon = options.budget.abandon;
+  if (cache != nullptr) caches = Access::impl(*cache).caches_of(pairs);
+  const std::atomic<bool>* const abandon = budget.abandon;
   base::parallel_for(pairs.size(), scene::pairs_per_task, [&](std::size_t i) {
     if (abandon != nullptr && abandon->load(std::memory_order_relaxed)) return;
     ask(i, scene.placed(pairs[i].a), scene.placed(pairs[i].b), caches.empty() ? nullptr : caches[i]);
@@ -61,41 +64,44 @@ std::size_t room_for(std::size_t count, std::size_t done, std::size_t pairs) {
 void Scene::collide(std::span<const ObjectPair> pairs, std::span<CollideResult> results,
                     const SceneQueryOptions& options) const {
   const Impl& scene = impl("collide");
-  check_pairs(scene, pairs, results.size());
-  ask_each(scene, pairs, options, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
-    results[i] = limber::collide(a, b, {.cache = cache, .budget = options.budget});
-  });
+  check_pairs(scene, pairs, results.size(), options.filter);
+  ask_each(scene, pairs, options.cache, options.budget,
+           [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+             results[i] = limber::collide(a, b, {.cache = cache, .budget = options.budget});
+           });
 }
 
 void Scene::within(std::span<const ObjectPair> pairs, double max_distance, std::span<CollideResult> results,
                    const SceneQueryOptions& options) const {
   const Impl& scene = impl("within");
-  check_pairs(scene, pairs, results.size());
+  check_pairs(scene, pairs, results.size(), options.filter);
   base::check_max_distance(max_distance);
-  ask_each(scene, pairs, options, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
-    results[i] = limber::within(a, b, max_distance, {.cache = cache, .budget = options.budget});
-  });
+  ask_each(scene, pairs, options.cache, options.budget,
+           [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+             results[i] = limber::within(a, b, max_distance, {.cache = cache, .budget = options.budget});
+           });
 }
 
 void Scene::distance(std::span<const ObjectPair> pairs, std::span<DistanceResult> results,
                      const SceneDistanceOptions& options) const {
   const Impl& scene = impl("distance");
-  check_pairs(scene, pairs, results.size());
-  const DistanceOptions of_pair{options.relative_error, options.absolute_error, options.max_distance, nullptr,
-                                options.budget};
-  base::check_options(of_pair, "limber::Scene::distance");
-  ask_each(scene, pairs, options, [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
-    DistanceOptions with_cache = of_pair;
-    with_cache.cache = cache;
-    results[i] = limber::distance(a, b, with_cache);
-  });
+  check_pairs(scene, pairs, results.size(), options.filter);
+  scene::check_options(options.distance, "limber::Scene::distance");
+  ask_each(scene, pairs, options.cache, options.distance.budget,
+           [&](std::size_t i, const Placed& a, const Placed& b, QueryCache* cache) {
+             DistanceOptions with_cache = options.distance;
+             with_cache.cache = cache;
+             results[i] = limber::distance(a, b, with_cache);
+           });
 }
 
 void Scene::contacts(std::span<const ObjectPair> pairs, double margin, ObjectContacts& found,
-                     const ObjectContactOptions& options) const {
+                     const PairOptions& options) const {
   const Impl& scene = impl("contacts");
-  check_pairs(scene, pairs, pairs.size());
+  check_pairs(scene, pairs, pairs.size(), std::nullopt);
   base::check_margin(margin, "limber::Scene::contacts");
+  PairOptions of_each = options;
+  of_each.parallel = false;  // pairs are
   // Contacts of some pairs at a time are appended while those of others are found: stored once more, all of them would
   // take as much memory again.
   struct Chunk {
@@ -107,8 +113,8 @@ void Scene::contacts(std::span<const ObjectPair> pairs, double margin, ObjectCon
     const std::size_t begin = chunk * pairs_of_chunk, end = std::min(begin + pairs_of_chunk, pairs.size());
     const auto keep = [&](const Contact& contact) { return of_chunk.contacts.push_back(contact), true; };
     for (std::size_t i = begin; i < std::min(end, cut.load()); ++i) {
-      const PairCount of_pair = visit_contacts(scene.placed(pairs[i].a), scene.placed(pairs[i].b), margin, keep,
-                                               {.oriented_faces = options.oriented_faces, .budget = options.budget});
+      const PairCount of_pair =
+          visit_contacts(scene.placed(pairs[i].a), scene.placed(pairs[i].b), margin, keep, of_each);
       if (of_pair.stopped_by == StoppedBy::nothing) {
         of_chunk.ends.push_back(of_chunk.contacts.size());
       } else {

@@ -6,7 +6,10 @@
 #include <chrono>
 #include <cstddef>
 #include <limits>
+#include <string>
 
+#include "base/arguments.h"
+#include "base/check.h"
 #include "limber/scene.h"
 
 /// Searches of a scene for one pair, which queries of one configuration and of many share. Their answers do not depend
@@ -24,9 +27,15 @@ constexpr std::size_t no_tasks = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t most_in_round = 64;
 
 /// Pre: the scene is committed, and the options are what they have to be.
-ClosestObjectsResult find_closest(const Scene::Impl& scene, const ClosestObjectsOptions& options, std::size_t grain);
-AnyWithinResult find_any_within(const Scene::Impl& scene, double max_distance, const AnyWithinOptions& options,
+ClosestObjectsResult find_closest(const Scene::Impl& scene, const SceneDistanceOptions& options, std::size_t grain);
+AnyWithinResult find_any_within(const Scene::Impl& scene, double max_distance, const SceneQueryOptions& options,
                                 std::size_t grain);
+
+/// Checks how distances of a scene are asked for: its caches are those of scenes.
+inline void check_options(const DistanceOptions& options, const char* function) {
+  base::check_options(options, function);
+  LIMBER_REQUIRE(options.cache == nullptr, (std::string(function) + ": distance takes no cache of two models").c_str());
+}
 
 /// Whether a budget ends all queries that share it, not one of them alone.
 inline bool ends_all(StoppedBy stopped_by) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The kernels in WebAssembly's vectors, in place of kernels.cpp: a module has one instruction set, so there is nothing
-// to choose at run time. docs/design/web.md says why not by Highway.
+// to choose at run time. clients/javascript/README.md says why not by Highway.
 #define LIMBER_WASM_KERNELS
 #include "kernels/all-inl.h"
 #include "simd/kernels.h"

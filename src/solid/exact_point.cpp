@@ -54,11 +54,6 @@ double quotient(const Integer& n, const Integer& d, int unit) {
 
 }  // namespace
 
-CommonUnit& CommonUnit::include(const Vec3& v) {
-  for (const double x : {v.x, v.y, v.z}) exponent_ = std::min(exponent_, base::Decoded(x).exponent);
-  return *this;
-}
-
 int Estimate::certain_sign() const {
   return std::abs(value) > error && std::isfinite(error) ? (value > 0 ? 1 : -1) : 0;
 }

@@ -6,30 +6,15 @@
 #include <cstddef>
 #include <optional>
 
-#include <boost/multiprecision/cpp_int.hpp>
-
+#include "geometry/integers.h"
 #include "limber/geometry.h"
 
 /// Points where edges and planes of placed triangles cross, and exact decisions about them.
 namespace limber::solid {
 
-/// Up to 512 bits are stored in place; more are allocated.
-using Integer = boost::multiprecision::number<
-    boost::multiprecision::cpp_int_backend<512, 0, boost::multiprecision::signed_magnitude,
-                                           boost::multiprecision::unchecked>,
-    boost::multiprecision::et_off>;
+using geometry::CommonUnit;
+using geometry::Integer;
 using IntegerVec = std::array<Integer, 3>;
-
-/// A power of two, at most 1, that some doubles are multiples of; as its exponent.
-class CommonUnit {
- public:
-  CommonUnit& include(const Vec3& v);
-  CommonUnit& include(const Triangle& t) { return include(t.v0).include(t.v1).include(t.v2); }
-  int exponent() const { return exponent_; }
-
- private:
-  int exponent_ = 0;
-};
 
 /// A number, up to an error.
 struct Estimate {

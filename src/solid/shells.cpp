@@ -4,6 +4,10 @@
 // Based on  Half-facets and shells of Nef polyhedra [HachenbergerEtAl2007].
 // Differs   No arrangement is built. What is asked is which kinds of cells exist, so one probe of each shell, and a
 //           line along each cut of a half-facet that is crossed, is enough; docs/algorithms/solids.md has the proof.
+//
+// look() takes these steps: find_sides() notes of each pair of facets that meet on which sides of one the other is;
+// join_neighbors() joins half-facets that nothing crosses into shells; one probe for each shell; then probes along the
+// cuts of the half-facets that are crossed, by look_into_pieces().
 #include "solid/shells.h"
 
 #include <algorithm>

@@ -115,8 +115,7 @@ SolidRelationResult solid_relation(const PlacedSurface& a, const PlacedSurface& 
   if (!cells.are_all_known() && !cells.is_stopped()) solid::Shells(cells, contacts).look();
   result.relation = relation_of(cells, !contacts.empty());
   if (result.relation == SolidRelation::undecided) result.stopped_by = cells.meter.stopped_by();
-  result.stats.node_tests += found.stats.node_tests + cells.meter.stats.node_tests;
-  result.stats.primitive_tests += found.stats.primitive_tests + cells.meter.stats.primitive_tests;
+  result.stats += found.stats, result.stats += cells.meter.stats;
   return result;
 }
 

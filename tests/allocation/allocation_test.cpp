@@ -156,7 +156,7 @@ TEST(Allocation, DoesNotHappenInFramesOfAScene) {
     }
     scene.commit();
     const auto counts = [](ObjectId a, ObjectId b) { return a % 2 != b % 2; };
-    found += scene.candidate_pairs(0.1, pairs, {.filter = counts}).count;
+    found += scene.candidate_pairs(0.1, pairs, counts).count;
     scene.remove(ids[7]);
     ids[7] = scene.add({ball});
     if (frame == 0) before = allocation_count();
@@ -193,6 +193,8 @@ TEST(Allocation, DoesNotHappenInRealTime) {
   EXPECT_GT(model.maintenance_stats().rebuilt_triangles, 20'000U);
 }
 
+// FCL #38: each query copies the mesh and moves every vertex. SOFA #5: memory leaks while bodies are in contact.
+// trimesh #806: memory of searches is never given back.
 TEST(Allocation, DoesNotHappenInAWarmQuery) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const ClosedSurface surface = ClosedSurface::create(ball).value();

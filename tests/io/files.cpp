@@ -10,10 +10,6 @@ std::string tetrahedron_obj() {
   return "# four corners\no tetrahedron\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 }
 
-std::string tetrahedron_off() {
-  return "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 0.5\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-}
-
 std::string tetrahedron_ply_ascii() {
   return "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
          "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
@@ -32,6 +28,22 @@ std::string tetrahedron_ply_binary(bool big_endian) {
     for (const VertexId v : corners) append(bytes, v, big_endian);
   }
   return bytes;
+}
+
+std::string ply_header(std::size_t vertex_count, std::size_t face_count) {
+  return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertex_count) +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(face_count) +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::vector<std::pair<std::string, std::string>> triangle_files(const std::array<std::string, 3>& vertices) {
+  const auto& [a, b, c] = vertices;
+  const std::string lines = a + "\n" + b + "\n" + c + "\n3 0 1 2\n";
+  return {{"a.obj", "v " + a + "\nv " + b + "\nv " + c + "\nf 1 2 3\n"},
+          {"a.off", "OFF\n3 1 0\n" + lines},
+          {"a.ply", ply_header(3, 1) + lines},
+          {"a.stl", "solid\nfacet normal 0 0 1 outer loop vertex " + a + " vertex " + b + " vertex " + c +
+                        "\nendloop endfacet\nendsolid\n"}};
 }
 
 std::string tetrahedron_stl_text() {
@@ -144,7 +156,7 @@ GltfParts gltf_of(const std::vector<Vec3>& positions, const std::vector<Corners>
 std::vector<std::pair<std::string, std::string>> tetrahedron_files() {
   const GltfParts parts = gltf_of(tetrahedron_positions, tetrahedron_triangles);
   return {{"text.obj", tetrahedron_obj()},
-          {"text.off", tetrahedron_off()},
+          {"text.off", "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 0.5\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"},
           {"text.ply", tetrahedron_ply_ascii()},
           {"little.ply", tetrahedron_ply_binary(false)},
           {"big.ply", tetrahedron_ply_binary(true)},

@@ -49,15 +49,21 @@ class FilesTest : public ::testing::Test {
     return read_mesh_file(write(name, bytes));
   }
 
-  /// Reads a file that must be refused, and checks the form of the message.
-  Error refused(const std::string& name, std::string_view bytes) const {
+  /// Reads a file that must be refused with this code, and checks the form of the message.
+  Error refused(const std::string& name, std::string_view bytes, ErrorCode code = ErrorCode::malformed_file) const {
     const Result<MeshFile> file = read(name, bytes);
     if (file) {
       ADD_FAILURE() << name << " was accepted:\n" << bytes;
       return {};
     }
     EXPECT_TRUE(is_one_line_about(path(name), file.error().text)) << file.error().text;
+    EXPECT_EQ(file.error().code, code) << file.error().text << "\n" << bytes.substr(0, 1000);
     return file.error();
+  }
+  /// The same, with a part of the message.
+  void refused(const std::string& name, std::string_view bytes, ErrorCode code, const std::string& part) const {
+    const std::string text = refused(name, bytes, code).text;
+    EXPECT_NE(text.find(part), text.npos) << text;
   }
 
   static bool is_one_line_about(const std::filesystem::path& path, const std::string& text) {
@@ -84,19 +90,27 @@ void append(std::string& bytes, Number number, bool big_endian = false) {
   for (std::size_t i = 0; i < raw.size(); ++i) bytes += raw[is_native ? i : raw.size() - 1 - i];
 }
 
-/// The number a decimal stands for.
-inline double exact(const char* decimal) { return std::strtod(decimal, nullptr); }
-
 // The same tetrahedron in every format; the faces are outward and in the same order.
 inline const std::vector<Vec3> tetrahedron_positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.5}};
 inline const std::vector<Corners> tetrahedron_triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 
 std::string tetrahedron_obj();
-std::string tetrahedron_off();
 std::string tetrahedron_ply_ascii();
 std::string tetrahedron_ply_binary(bool big_endian);
 std::string tetrahedron_stl_text();
 std::string tetrahedron_stl_binary();
+
+/// The header of a text PLY file of float coordinates and lists of vertices.
+std::string ply_header(std::size_t vertex_count, std::size_t face_count);
+/// A triangle in each text format, of which these are the lines of the three vertices.
+std::vector<std::pair<std::string, std::string>> triangle_files(const std::array<std::string, 3>& vertices);
+inline const std::string obj_corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+/// A text with the first `part` replaced.
+inline std::string with(std::string text, const std::string& part, const std::string& instead) {
+  EXPECT_NE(text.find(part), text.npos) << part;
+  return text.replace(text.find(part), part.size(), instead);
+}
 
 /// A binary glTF file of a description and a buffer.
 std::string glb(std::string json, std::string buffer);

@@ -10,8 +10,28 @@
 namespace limber {
 namespace {
 
-using Sequence = FilesTest;
 using Positions = std::vector<Vec3>;
+
+class Sequence : public FilesTest {
+ protected:
+  /// A sequence whose only known frame holds these bytes.
+  MeshSequence opened(const std::string& name, const std::string& bytes) const {
+    return MeshSequence::open(write(name, bytes)).value();
+  }
+  /// A later frame is refused with a text that holds `part`.
+  void expect_refused(const MeshSequence& frames, const std::string& bytes, ErrorCode code,
+                      const std::string& part = "") const {
+    const Result<Positions> frame = frames.read_positions(write("17.obj", bytes), 17);
+    ASSERT_FALSE(frame);
+    const Error& error = frame.error();
+    EXPECT_TRUE(is_one_line_about(path("17.obj"), error.text));
+    EXPECT_EQ(error.code, code) << error.text;
+    EXPECT_NE(error.text.find(part), std::string::npos) << error.text;
+    if (code == ErrorCode::changed_connectivity) {
+      EXPECT_EQ(error.where, 17U);
+    }
+  }
+};
 
 /// Two triangles side by side with corners of their own, the second shifted.
 std::string two_loose_triangles(const std::string& shift) {
@@ -19,28 +39,24 @@ std::string two_loose_triangles(const std::string& shift) {
 }
 
 TEST_F(Sequence, vertices_that_meet_later_stay_apart) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("1")));
-  ASSERT_TRUE(frames) << frames.error().text;
-  EXPECT_EQ(frames->first().mesh.positions().size(), 6U);
-  const Result<Positions> met = frames->read_positions(write("1.obj", two_loose_triangles("0")), 1);
-  ASSERT_TRUE(met) << met.error().text;
-  EXPECT_EQ(*met, (Positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+  const MeshSequence frames = opened("0.obj", two_loose_triangles("1"));
+  EXPECT_EQ(frames.first().mesh.positions().size(), 6U);
+  EXPECT_EQ(frames.read_positions(write("1.obj", two_loose_triangles("0")), 1).value(),
+            (Positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
 }
 
 TEST_F(Sequence, vertices_that_part_later_are_two_or_the_frame_is_refused) {
   const std::vector<std::filesystem::path> files = {write("0.obj", two_loose_triangles("0")),
                                                     write("1.obj", two_loose_triangles("7"))};
   const Positions parted = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 7}, {1, 1, 7}, {0, 1, 7}};
-  for (const Result<MeshSequence>& frames :
-       {MeshSequence::open(files), MeshSequence::open(files[0], {.weld = false})}) {
-    ASSERT_TRUE(frames) << frames.error().text;
-    EXPECT_EQ(frames->read_positions(files[1], 1).value(), parted);
+  for (const MeshSequence& frames :
+       {MeshSequence::open(files).value(), MeshSequence::open(files[0], {.weld = false}).value()}) {
+    EXPECT_EQ(frames.read_positions(files[1], 1).value(), parted);
   }
   const MeshSequence first_alone = MeshSequence::open(files[0]).value();
   EXPECT_EQ(first_alone.first().mesh.triangles(), (std::vector<Corners>{{0, 1, 2}, {1, 3, 2}}));
-  const Error error = first_alone.read_positions(files[1], 1).error();
-  EXPECT_EQ(error.code, ErrorCode::changed_connectivity);
-  EXPECT_NE(error.text.find("frame 1 parts vertices 1 and 3 of the file"), std::string::npos) << error.text;
+  expect_refused(first_alone, two_loose_triangles("7"), ErrorCode::changed_connectivity,
+                 "frame 17 parts vertices 1 and 3 of the file");
   EXPECT_THROW(static_cast<void>(MeshSequence::open(std::vector<std::filesystem::path>())), std::invalid_argument);
   EXPECT_EQ(MeshSequence::open(std::vector{files[0], write("2.obj", tetrahedron_obj())}).error().where, 1U);
 }
@@ -107,132 +123,79 @@ TEST_F(Sequence, welds_what_is_together_in_every_frame) {
 
 TEST_F(Sequence, every_format_can_be_a_frame_of_its_own_kind) {
   for (const auto& [name, bytes] : tetrahedron_files()) {
-    const Result<MeshSequence> frames = MeshSequence::open(write(name, bytes));
-    ASSERT_TRUE(frames) << frames.error().text;
-    const Result<Positions> again = frames->read_positions(path(name), 1);
-    ASSERT_TRUE(again) << again.error().text;
-    EXPECT_EQ(*again, frames->first().mesh.positions()) << name;
+    const MeshSequence frames = opened(name, bytes);
+    EXPECT_EQ(frames.read_positions(path(name), 1).value(), frames.first().mesh.positions()) << name;
   }
 }
 
 TEST_F(Sequence, frames_that_collapse_to_a_point_keep_their_vertices) {
   std::string stl = tetrahedron_stl_binary();
   std::fill(stl.begin() + 84, stl.end(), '\0');
-  for (const auto& [first, later, bytes] :
-       {std::tuple(write("0.stl", tetrahedron_stl_binary()), "1.stl", stl),
-        {write("0.glb", gltf_of(tetrahedron_positions, tetrahedron_triangles).glb()), "1.glb",
-         gltf_of(Positions(4), tetrahedron_triangles).glb()}}) {
-    const Result<MeshSequence> frames = MeshSequence::open(first);
-    ASSERT_TRUE(frames);
-    const Result<Positions> positions = frames->read_positions(write(later, bytes), 1);
-    ASSERT_TRUE(positions) << positions.error().text;
-    EXPECT_EQ(*positions, Positions(4));
-  }
+  EXPECT_EQ(opened("0.stl", tetrahedron_stl_binary()).read_positions(write("1.stl", stl), 1).value(), Positions(4));
+  const std::string glb = gltf_of(Positions(4), tetrahedron_triangles).glb();
+  EXPECT_EQ(opened("0.glb", gltf_of(tetrahedron_positions, tetrahedron_triangles).glb())
+                .read_positions(write("1.glb", glb), 1)
+                .value(),
+            Positions(4));
 }
 
-TEST_F(Sequence, changed_counts_are_named) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("1")));
-  ASSERT_TRUE(frames);
+TEST_F(Sequence, changed_counts_and_the_first_face_that_differs_are_named) {
+  const MeshSequence two = opened("0.obj", two_loose_triangles("1"));
   for (const auto& [bytes, counts] : std::vector<std::pair<std::string, std::string>>{
            {tetrahedron_obj(), "4 vertices and 4 faces"},
            {two_loose_triangles("1") + "v 9 9 9\n", "7 vertices and 2 faces"},
            {two_loose_triangles("1") + "f 1 2\n", "6 vertices and 3 faces"}}) {
-    const Result<Positions> frame = frames->read_positions(write("17.obj", bytes), 17);
-    ASSERT_FALSE(frame);
-    const Error& error = frame.error();
-    EXPECT_EQ(error.code, ErrorCode::changed_connectivity);
-    EXPECT_EQ(error.where, 17U);
-    EXPECT_EQ(error.text, path("17.obj").string() + ": frame 17 has " + counts + ", the first frame 6 and 2");
+    expect_refused(two, bytes, ErrorCode::changed_connectivity,
+                   ": frame 17 has " + counts + ", the first frame 6 and 2");
   }
-}
-
-TEST_F(Sequence, first_face_that_differs_is_named) {
-  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
-  const Result<MeshSequence> frames =
-      MeshSequence::open(write("0.obj", vertices + "f 1 2 3\nf 2 4 3\nf 1 2 4 3\nf 1 4 3\n"));
-  ASSERT_TRUE(frames);
+  const std::string vertices = obj_corner + "v 1 1 0\n";
+  const MeshSequence four = opened("0.obj", vertices + "f 1 2 3\nf 2 4 3\nf 1 2 4 3\nf 1 4 3\n");
   for (const auto& [faces, differing] : std::vector<std::pair<std::string, std::string>>{
            {"f 1 2 3\nf 4 3 2\nf 1 2 4 3\nf 1 4 3\n", "face 1"},
            {"f 1 2 3\nf 2 4 3\nf 1 2 4\nf 3 1 4 3\n", "face 2"},  // the same corners, split elsewhere
            {"f 1 2 3\nf 2 4 3\nf 1 2 4 3\nf 1 4 2\n", "face 3"}}) {
-    const Result<Positions> frame = frames->read_positions(write("2.obj", vertices + faces), 2);
-    ASSERT_FALSE(frame);
-    EXPECT_EQ(frame.error().code, ErrorCode::changed_connectivity);
-    EXPECT_EQ(frame.error().where, 2U);
-    EXPECT_NE(frame.error().text.find(differing), std::string::npos) << frame.error().text;
-    EXPECT_TRUE(is_one_line_about(path("2.obj"), frame.error().text));
+    expect_refused(four, vertices + faces, ErrorCode::changed_connectivity, differing);
   }
-}
-
-TEST_F(Sequence, faces_that_agree_only_after_welding_differ) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("0")));
-  ASSERT_TRUE(frames);
-  std::string bytes = two_loose_triangles("0");
-  bytes.replace(bytes.find("f 4 5 6"), 7, "f 2 5 6");  // vertices 2 and 4 are at the same place
-  const Result<Positions> frame = frames->read_positions(write("1.obj", bytes), 1);
-  ASSERT_FALSE(frame);
-  EXPECT_EQ(frame.error().code, ErrorCode::changed_connectivity);
+  // Vertices 2 and 4 are at the same place.
+  expect_refused(opened("0.obj", two_loose_triangles("0")), with(two_loose_triangles("0"), "f 4 5 6", "f 2 5 6"),
+                 ErrorCode::changed_connectivity);
 }
 
 TEST_F(Sequence, later_frames_are_checked_like_the_first) {
-  const Result<MeshSequence> frames = MeshSequence::open(write("0.obj", two_loose_triangles("1")));
-  ASSERT_TRUE(frames);
-  const auto code_of = [&](const std::string& bytes) {
-    const Result<Positions> frame = frames->read_positions(write("1.obj", bytes), 1);
-    if (frame) return ErrorCode::broken_invariant;
-    EXPECT_TRUE(is_one_line_about(path("1.obj"), frame.error().text));
-    return frame.error().code;
-  };
-  EXPECT_EQ(code_of(two_loose_triangles("nan")), ErrorCode::non_finite);
-  EXPECT_EQ(code_of(two_loose_triangles("1e70")), ErrorCode::too_large);
-  EXPECT_EQ(code_of(two_loose_triangles("x")), ErrorCode::malformed_file);
-  EXPECT_EQ(code_of(""), ErrorCode::malformed_file);
-  const Result<Positions> missing = frames->read_positions(path("missing.obj"), 2);
-  ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::unreadable_file);
+  const MeshSequence frames = opened("0.obj", two_loose_triangles("1"));
+  expect_refused(frames, two_loose_triangles("nan"), ErrorCode::non_finite);
+  expect_refused(frames, two_loose_triangles("1e70"), ErrorCode::too_large);
+  expect_refused(frames, two_loose_triangles("x"), ErrorCode::malformed_file);
+  expect_refused(frames, "", ErrorCode::malformed_file);
+  EXPECT_EQ(frames.read_positions(path("missing.obj"), 2).error().code, ErrorCode::unreadable_file);
 }
 
 namespace fs = std::filesystem;
 using testing::real_mesh;
 
-struct Known {
-  const char* name;
-  std::size_t triangle_count;
-};
-
-void PrintTo(const Known& known, std::ostream* out) { *out << known.name; }
-
-class RealFiles : public ::testing::TestWithParam<Known> {};
-
-TEST_P(RealFiles, have_their_known_number_of_triangles) {
-  const fs::path path = real_mesh(GetParam().name);
-  if (!fs::exists(path)) GTEST_SKIP() << "no data";
-  const Result<MeshFile> file = read_mesh_file(path);
-  ASSERT_TRUE(file) << file.error().text;
-  EXPECT_EQ(file->mesh.triangles().size(), GetParam().triangle_count);
-  EXPECT_EQ(file->face_of_triangle.back() + 1, file->face_count);
+TEST(RealFiles, HaveTheirKnownNumberOfTriangles) {
+  struct Known {
+    const char* name;
+    std::size_t triangle_count;
+  };
+  for (const auto& [name, triangle_count] :
+       {Known{"stanford-bunny.obj", 69451}, Known{"armadillo.obj", 86482}, Known{"fandisk.obj", 12946},
+        Known{"spot.ply", 5856}, Known{"cow.obj", 5804}, Known{"teapot.obj", 6320}, Known{"beetle.obj", 2053},
+        Known{"cloth_ball_92.ply", 92230}, Known{"cloth_ball_93.ply", 92230}}) {
+    if (!fs::exists(real_mesh(name))) continue;  // no data
+    const MeshFile file = read_mesh_file(real_mesh(name)).value();
+    EXPECT_EQ(file.mesh.triangles().size(), triangle_count) << name;
+    EXPECT_EQ(file.face_of_triangle.back() + 1, file.face_count) << name;
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(All, RealFiles,
-                         ::testing::Values(Known{"stanford-bunny.obj", 69451}, Known{"armadillo.obj", 86482},
-                                           Known{"fandisk.obj", 12946}, Known{"spot.obj", 5856}, Known{"cow.obj", 5804},
-                                           Known{"teapot.obj", 6320}, Known{"beetle.obj", 2053},
-                                           Known{"cloth_ball_92.ply", 92230}, Known{"cloth_ball_93.ply", 92230}),
-                         [](const auto& test) {
-                           std::string name = fs::path(test.param.name).stem().string();
-                           for (char& c : name) c = c == '-' ? '_' : c;
-                           return name;
-                         });
 
 TEST(RealSequence, cloth_frames_share_their_connectivity) {
   const fs::path first = real_mesh("cloth_ball_92.ply"), second = real_mesh("cloth_ball_93.ply");
   if (!fs::exists(first) || !fs::exists(second)) GTEST_SKIP() << "no data";
-  const Result<MeshSequence> frames = MeshSequence::open(first);
-  ASSERT_TRUE(frames) << frames.error().text;
-  const Result<std::vector<Vec3>> positions = frames->read_positions(second, 1);
-  ASSERT_TRUE(positions) << positions.error().text;
-  ASSERT_EQ(positions->size(), frames->first().mesh.positions().size());
-  EXPECT_NE(*positions, frames->first().mesh.positions());
+  const MeshSequence frames = MeshSequence::open(first).value();
+  const Positions positions = frames.read_positions(second, 1).value();
+  ASSERT_EQ(positions.size(), frames.first().mesh.positions().size());
+  EXPECT_NE(positions, frames.first().mesh.positions());
 }
 
 }  // namespace

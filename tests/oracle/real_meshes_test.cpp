@@ -18,7 +18,7 @@ namespace limber::testing {
 namespace {
 
 TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
-  const Mesh mesh = load_mesh(real_mesh("spot.obj")).value(), ball_mesh = scenes::thesis_ball();
+  const Mesh mesh = load_mesh(real_mesh("spot.ply")).value(), ball_mesh = scenes::thesis_ball();
   const Model spot(mesh), ball(ball_mesh);
   const classic::Model classic_spot(mesh), classic_ball(ball_mesh);
   scenes::Rng rng(80);
@@ -49,7 +49,7 @@ TEST(RealMeshes, AreAnsweredAsByBruteForceApartNearAndOverlapping) {
 }
 
 TEST(RealMeshes, ThatDeformAreAnsweredAsByBruteForce) {
-  const Mesh mesh = load_mesh(real_mesh("spot.obj")).value();
+  const Mesh mesh = load_mesh(real_mesh("spot.ply")).value();
   Model deforming(mesh, {.motion_margin = 0.02});
   const Model ball(scenes::thesis_ball());
   const Transform pose{{}, {1.6, 0.5, 0.2}};

@@ -2,22 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Triangles without area, edges without length, numbers that are none.
-#include <limits>
-#include <optional>
-#include <stdexcept>
-
 #include "geometry/primitives.h"
 #include "limber/elements.h"
 #include "limber/points.h"
-#include "limber/scene.h"
 #include "peers.h"
 #include "support/rational_distance.h"
 
 namespace limber::testing {
 namespace {
-
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Vec3 small_lattice_point(scenes::Rng& rng) {
   const auto x = static_cast<double>(rng.below(3)), y = static_cast<double>(rng.below(3));
@@ -201,61 +193,6 @@ TEST(DegenerateTriangles, NextToAPointNeverGiveWhatIsNoNumber) {
     const Vec3 p{0.5 * u, 0.5 * v, height};
     EXPECT_NEAR(closest_point({model}, p).closest->distance, height, 0x1p-50);
   }
-}
-
-// ifc-lite PR #3561: one vertex that is no number makes all boxes up to the root such, and nothing is found any more.
-TEST(NotANumber, IsRefusedWithItsPlaceAndChangesNothing) {
-  const Mesh good = scenes::ball(12, 8);
-  Model model(good);
-  const Model probe(box({0.5, 0.5, 0.5}));
-  const Placed there{probe, at(1.2)};
-  const double before = agreed_distance({model}, there, 1e-15);
-  for (const double bad : {no_number, infinity, -infinity, -no_number}) {
-    for (const std::size_t axis : {0U, 1U, 2U}) {
-      std::vector<Vec3> positions = good.positions();
-      positions[17][axis] = bad;
-      const Result<Mesh> refused = Mesh::create(positions, good.triangles());
-      ASSERT_FALSE(static_cast<bool>(refused));
-      EXPECT_EQ(refused.error().code, ErrorCode::non_finite);
-      EXPECT_EQ(refused.error().where, 17U);
-      const Result<void> all = model.move_all(positions);
-      ASSERT_FALSE(static_cast<bool>(all));
-      EXPECT_EQ(all.error().where, 17U);
-      const std::vector<VertexId> ids{3, 4};
-      const std::vector<Vec3> places{{0, 0, 0}, positions[17]};
-      const Result<void> some = model.move_vertices(ids, places);
-      ASSERT_FALSE(static_cast<bool>(some));
-      EXPECT_EQ(some.error().where, 1U);
-      EXPECT_TRUE(model.is_committed());
-      EXPECT_EQ(agreed_distance({model}, there, 1e-15), before);
-    }
-  }
-  EXPECT_EQ(model.mesh().positions(), good.positions());
-}
-
-// Embree #300: what is no number goes through minima and maxima in one way on one instruction set and in another way on
-// others. It gets nowhere here: every entrance refuses it.
-TEST(NotANumber, GetsInByNoQuery) {
-  const Model model(scenes::ball(8, 6));
-  for (const double bad : {no_number, -no_number, infinity}) {
-    Transform shifted = at(bad), turned;
-    turned.rotation.row1.z = bad;
-    for (const Transform& pose : {shifted, turned}) {
-      EXPECT_THROW(static_cast<void>(distance({model}, {model, pose})), std::invalid_argument);
-      EXPECT_THROW(static_cast<void>(collide({model, pose}, {model})), std::invalid_argument);
-      EXPECT_THROW(static_cast<void>(within({model, pose}, {model}, 1)), std::invalid_argument);
-      EXPECT_THROW(intersections({model, pose}, {model}, {}), std::invalid_argument);
-      EXPECT_THROW(static_cast<void>(closest_point({model, pose}, {})), std::invalid_argument);
-      limber::Scene scene;
-      EXPECT_THROW(static_cast<void>(scene.add({model, pose})), std::invalid_argument);
-    }
-    EXPECT_THROW(static_cast<void>(closest_point({model}, {0, bad, 0})), std::invalid_argument);
-    EXPECT_THROW(contacts({model}, {model}, bad, {}), std::invalid_argument);
-    EXPECT_THROW(static_cast<void>(within({model}, {model}, bad)), std::invalid_argument);
-    EXPECT_THROW(static_cast<void>(distance({model}, {model}, {.relative_error = bad})), std::invalid_argument);
-    EXPECT_FALSE(static_cast<bool>(transform_from_quaternion({}, bad, 0, 0, 1)));
-  }
-  EXPECT_THROW(static_cast<void>(distance({model}, {model}, {.max_distance = no_number})), std::invalid_argument);
 }
 
 }  // namespace

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Work that other libraries do without need, in counts that do not depend on the machine.
-#include <array>
-
-#include "allocation/heap.h"
 #include "limber/points.h"
 #include "peers.h"
 
@@ -12,38 +9,6 @@ namespace limber::testing {
 namespace {
 
 std::uint64_t steps(const QueryStats& stats) { return stats.node_tests + stats.primitive_tests; }
-
-// FCL #38: each query copies the mesh and moves every vertex. SOFA #5: memory leaks while bodies are in contact.
-// trimesh #806: memory of searches is never given back.
-TEST(Effort, NeitherQueriesNorDeformationTouchTheHeap) {
-  const Mesh rest = scenes::ball(40, 25);
-  Model body(rest, ModelOptions::real_time(20));
-  const Model floor(scenes::grid(20, 20, -2, -2, 0.2, 0.2));
-  std::array<Contact, 64> found;
-  std::vector<Vec3> positions = rest.positions();
-  std::uint64_t allowed = 0;
-  const auto frame = [&](int i) {
-    for (std::size_t v = 0; v < positions.size(); ++v) positions[v].z = rest.positions()[v].z * (1 - 1e-4 * (i % 50));
-    body.move_all(positions).value();
-    const std::uint64_t before_commit = allocation_count();
-    body.commit();
-#ifdef LIMBER_CHECKS
-    allowed += allocation_count() - before_commit;  // this build validates the tree
-#else
-    EXPECT_EQ(allocation_count(), before_commit);
-#endif
-    const Placed a{floor}, b{body, at(0.1, 0.2, 0.9)};
-    EXPECT_EQ(distance(a, b).status, DistanceStatus::collision);
-    EXPECT_GT(contacts(a, b, 0.01, found).count, 0U);
-    static_cast<void>(distance(a, {body, at(0, 0, 2)}));
-    static_cast<void>(closest_point(b, {1, 2, 3}));
-    self_contacts(body, 1e-3, found);
-  };
-  frame(0);
-  const std::uint64_t before = allocation_count() - allowed;
-  for (int i = 0; i < 200; ++i) frame(i);
-  EXPECT_EQ(allocation_count() - allowed, before);
-}
 
 // FCL #276: a distance costs ten to a hundred times as much as a collision. It takes fewer steps than a body has
 // triangles, and fewer yet where a rough one will do.

@@ -15,32 +15,15 @@
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/exact_distance.h"
+#include "support/random_geometry.h"
+#include "unit/shapes.h"
 
 /// Bodies that bug reports of other libraries describe, and what is asked about every pair of them.
 namespace limber::testing {
 
 inline Transform at(double x, double y = 0, double z = 0) { return {{}, {x, y, z}}; }
 
-/// A box whose normals point outward. Corner i has the high x if bit 0 of i is set, and so on.
-inline Mesh box(const Vec3& low, const Vec3& high) {
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i) {
-    corners.push_back({(i & 1) ? high.x : low.x, (i & 2) ? high.y : low.y, (i & 4) ? high.z : low.z});
-  }
-  return Mesh::create(std::move(corners), {{0, 2, 1},
-                                           {1, 2, 3},
-                                           {4, 5, 6},
-                                           {5, 7, 6},
-                                           {0, 1, 4},
-                                           {1, 5, 4},
-                                           {2, 6, 3},
-                                           {3, 6, 7},
-                                           {0, 4, 2},
-                                           {2, 4, 6},
-                                           {1, 3, 5},
-                                           {3, 7, 5}})
-      .value();
-}
+inline Mesh box(const Vec3& low, const Vec3& high) { return box_mesh(low, high); }
 inline Mesh box(const Vec3& half) { return box(-half, half); }
 
 /// The convex hull of some points in general position, by trying all triples.
@@ -64,21 +47,10 @@ inline Mesh hull(const std::vector<Vec3>& points) {
 
 /// A mesh with every coordinate multiplied by a factor of its axis.
 inline Mesh stretched(const Mesh& mesh, const Vec3& factors) {
-  std::vector<Vec3> positions = mesh.positions();
-  for (Vec3& p : positions) p = {p.x * factors.x, p.y * factors.y, p.z * factors.z};
-  return Mesh::create(std::move(positions), mesh.triangles()).value();
+  return mapped(mesh, [&](const Vec3& p) { return Vec3{p.x * factors.x, p.y * factors.y, p.z * factors.z}; });
 }
 
-inline Mesh triangles_of(const std::vector<Triangle>& triangles) {
-  std::vector<Vec3> positions;
-  std::vector<Corners> corners;
-  for (const Triangle& t : triangles) {
-    const auto v = static_cast<VertexId>(positions.size());
-    positions.insert(positions.end(), {t.v0, t.v1, t.v2});
-    corners.push_back({v, v + 1, v + 2});
-  }
-  return Mesh::create(std::move(positions), std::move(corners)).value();
-}
+inline Mesh triangles_of(const std::vector<Triangle>& triangles) { return soup(triangles); }
 
 inline Triangle placed_triangle(const Placed& placed, TriangleId id) {
   const Triangle t = placed.model().mesh().triangle(id);
@@ -156,14 +128,6 @@ inline bool is_finite(const Contact& c) {
 }
 
 /// A point of the cube [-size, size]^3.
-inline Vec3 random_point(scenes::Rng& rng, double size) {
-  const double x = rng.uniform(-size, size), y = rng.uniform(-size, size), z = rng.uniform(-size, size);
-  return {x, y, z};
-}
-
-inline Transform random_pose(scenes::Rng& rng, double size) {
-  const Mat3 rotation = scenes::random_rotation(rng);
-  return {rotation, random_point(rng, size)};
-}
+inline Vec3 random_point(Rng& rng, double size) { return uniform_point(rng, -size, size); }
 
 }  // namespace limber::testing

@@ -3,12 +3,10 @@
 
 // Trees that were stale, half updated or broken after a mesh had moved.
 #include <functional>
-#include <optional>
 #include <stdexcept>
 
 #include "limber/points.h"
 #include "peers.h"
-#include "support/rational_winding.h"
 
 namespace limber::testing {
 namespace {
@@ -145,27 +143,6 @@ TEST(Updates, WorkInTreesOfOneLeafAndAFewMore) {
   }
 }
 
-// Warp PR #1600: the refit of what decides about inside begins at the wrong node, and signs are wrong afterwards.
-TEST(Updates, ReachTheSignOfDistances) {
-  const Mesh rest = scenes::ball(16, 10);
-  Model body(rest);
-  const ClosedSurface surface = ClosedSurface::create(body).value();
-  scenes::Rng rng(1600);
-  for (int step = 0; step < 8; ++step) {
-    const double bend = 0.3 * step;
-    deform(body, rest, [&](const Vec3& p) {
-      return Vec3{p.x + bend * p.z * p.z, (1 + 0.2 * step) * p.y, p.z - bend * p.y};
-    });
-    std::vector<Triangle> triangles;
-    for (TriangleId id = 0; id < rest.triangles().size(); ++id) triangles.push_back(body.mesh().triangle(id));
-    for (int i = 0; i < 20; ++i) {
-      const Vec3 p = random_point(rng, 1.5);
-      ASSERT_EQ(surface.contains(p), rational_winding(triangles, p) != 0) << step;
-      EXPECT_NEAR(generalized_winding_number({body}, p), rational_winding(triangles, p), 1e-9);
-    }
-  }
-}
-
 // mitsuba2 #526, #531, #276, #383: positions are replaced, the tree is not, and geometry vanishes over some frames.
 // UPBGE #703, PR #835: the physics of a deformed mesh is that of the mesh at rest. Embree #389: a wall of a moved ball
 // stays where it was. fluid-engine-dev PR #271: an update does not reach the tree; a rebuild in each frame is feared.
@@ -212,22 +189,6 @@ TEST(Updates, AndPosesReachEveryQuery) {
       EXPECT_FALSE(collide({arm}, {target, at(0, 0, 2)}).is_yes()) << step;
     }
     agreed_distance({arm, pose}, {target, pose * at(0, -1.5, 1)}, 1e-13);
-  }
-}
-
-// Bullet #2383, #106, jMonkeyEngine #1120: concave meshes that move are unstable, or fall through each other.
-// Libbulletjme #7: the contact test of such meshes always fails. Bullet's partialRefitTree asserts that a part of a
-// mesh stays within its old box.
-TEST(Updates, OfConcaveBodiesMayLeaveTheirOldBounds) {
-  const Mesh rest = scenes::ring(24, 12, 0.25);
-  Model a(rest), b(rest);
-  for (int step = 0; step < 12; ++step) {
-    const double grown = 1 + 0.5 * step;
-    deform(a, rest, [&](const Vec3& p) { return Vec3{grown * p.x, p.y, p.z + 0.1 * step * p.x}; });
-    deform(b, rest, [&](const Vec3& p) { return Vec3{p.x, p.y / grown, 2 * p.z}; });
-    ASSERT_TRUE(static_cast<bool>(a.validate()));
-    const Placed there{b, scenes::linked_ring(static_cast<std::uint32_t>(step))};
-    agreed_distance({a}, there, 1e-13);
   }
 }
 

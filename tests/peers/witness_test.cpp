@@ -130,26 +130,6 @@ TEST(WitnessPoints, OfATinyBallInAFaceIsOnePointOfBoth) {
   }
 }
 
-// python-fcl #28: with managers of bodies, the points are not as far apart as the distance.
-TEST(WitnessPoints, OfAGroupAreAsFarApartAsTheGroupIs) {
-  const double third = 3.14159265358979323846 / 3;
-  const Model one(box({10, 2.5, 500})), two(box({2.5, 2.5, 500}));
-  const Transform turned =
-      transform_from_quaternion({-2, 0, 0}, std::cos(third / 2), 0, 0, std::sin(third / 2)).value();
-  limber::Scene scene;
-  const ObjectId robot = scene.add({one, turned});
-  static_cast<void>(scene.add({two, at(-5, 10, 0)}));
-  static_cast<void>(scene.add({two, at(-15, 15, 0)}));
-  scene.commit();
-  const auto with_robot = [&](ObjectId a, ObjectId b) { return a == robot || b == robot; };
-  const ClosestObjectsResult closest = scene.closest_objects({.filter = with_robot});
-  const double truth = std::min(agreed_distance({one, turned}, {two, at(-5, 10, 0)}, 1e-12),
-                                agreed_distance({one, turned}, {two, at(-15, 15, 0)}, 1e-12));
-  EXPECT_NEAR(closest.result.upper, truth, 1e-12);
-  expect_witness(scene.object(closest.objects.a), scene.object(closest.objects.b), closest.result.witness.value(),
-                 truth, 1e-12);
-}
-
 // Coal #257: the closest point of a tilted surface is not below the point that was asked about.
 TEST(WitnessPoints, OfATiltedSurfaceIsTheFootOfThePerpendicular) {
   const Model surface(scenes::grid(20, 20, -5, -5, 0.5, 0.5));
@@ -194,29 +174,6 @@ TEST(WitnessPoints, OfBodiesThatMeetIsWhereTheyDo) {
   const Placed corner{ball, at(1000.5, 0, 0.5)};
   ASSERT_EQ(agreed_distance({big}, corner, 1e-12), 0);
   expect_near(distance({big}, corner).witness->point_a, {1000, 0, 0}, 1.5);
-}
-
-// trimesh #1055: the distance is right, but the name of the mesh and the points are those of another pair.
-TEST(WitnessPoints, OfASceneAreThoseOfThePairThatIsNamed) {
-  scenes::Rng rng(1055);
-  const Model ball(scenes::ball(10, 6)), brick(box({0.4, 0.2, 0.7}));
-  for (int round = 0; round < 12; ++round) {
-    limber::Scene scene;
-    std::vector<reference::Placed> objects;
-    for (int i = 0; i < 12; ++i) {
-      const Placed object{i % 2 == 0 ? ball : brick, random_pose(rng, 6)};
-      static_cast<void>(scene.add(object));
-      objects.push_back(in_reference(object));
-    }
-    scene.commit();
-    const ClosestObjectsResult found = scene.closest_objects(), truth = reference::closest_objects(objects);
-    ASSERT_NEAR(found.result.upper, truth.result.upper, 1e-13);
-    if (truth.result.upper > 0) {
-      EXPECT_EQ(found.objects, truth.objects);
-    }
-    expect_witness(scene.object(found.objects.a), scene.object(found.objects.b), found.result.witness.value(),
-                   truth.result.upper, 1e-13);
-  }
 }
 
 // trimesh PR #907, PR #164: of two triangles that are equally close, the point is on one, and the other is named.

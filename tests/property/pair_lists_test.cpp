@@ -354,7 +354,7 @@ TEST(SelfContactsProperty, AreThoseOfBruteForceWhileModelsDeform) {
 }
 
 TEST(SelfContactsProperty, AreThoseOfBruteForceOnARealMesh) {
-  const Mesh mesh = load_mesh(real_mesh("spot.obj")).value();
+  const Mesh mesh = load_mesh(real_mesh("spot.ply")).value();
   Totals totals;
   check_self_elements(Model(mesh), 0.01 * extent_of(mesh), totals);
   EXPECT_GT(totals.vertex_face, 100U);

@@ -259,7 +259,7 @@ TEST_P(RealPenetration, OfABodyInItselfIsProvenByOtherQueries) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Meshes, RealPenetration, ::testing::Values("spot.obj", "stanford-bunny.obj"),
+INSTANTIATE_TEST_SUITE_P(Meshes, RealPenetration, ::testing::Values("spot.ply", "stanford-bunny.obj"),
                          [](const auto& test) { return std::string(test.param).substr(0, 4); });
 
 /// The least translation of two convex solids that makes them apart: over the normals of all faces of their Minkowski

@@ -50,7 +50,6 @@ TEST(Scenes, TwoHundredDentsGiveTheKnownSheet) {
   }
   EXPECT_EQ(moved_vertices, 21227U);
   EXPECT_EQ(hash(sheet), 0xba587062faec7597U);
-  EXPECT_EQ(hash(by_name("dented").value()), hash(sheet));
 }
 
 void expect_closed(const Mesh& mesh) {
@@ -122,29 +121,6 @@ TEST(Soups, LatticeCoordinatesAreSmallIntegers) {
   }
   const Mesh single = lattice_soup(rng, 4, 1);
   for (const Vec3& p : single.positions()) EXPECT_EQ(p, Vec3{});
-}
-
-TEST(ByName, KnowsEverySceneItNames) {
-  for (const char* name : {"square", "ball", "sheet", "dented", "dented:5", "wave", "wave:3", "soup", "soup:9",
-                           "lattice", "lattice:18446744073709551615"}) {
-    EXPECT_TRUE(by_name(name)) << name;
-  }
-  EXPECT_EQ(hash(by_name("ball").value()), hash(thesis_ball()));
-  EXPECT_EQ(hash(by_name("wave:3").value()), hash(wave_sheet(100, 100, 3)));
-  for (const std::string base : {"dented:", "wave:", "soup:", "lattice:"}) {
-    EXPECT_EQ(hash(by_name(base + "4").value()), hash(by_name(base + "4").value())) << base;
-    EXPECT_NE(hash(by_name(base + "4").value()), hash(by_name(base + "5").value())) << base;
-  }
-}
-
-TEST(ByName, RefusesWhatItDoesNotKnowAndListsWhatItDoes) {
-  for (const char* name : {"", ":", "bowl", "ball:1", "soup:", "soup:x", "soup:1x", "soup:-1", "soup:1:2", "Soup",
-                           "soup:18446744073709551616"}) {
-    const Result<Mesh> scene = by_name(name);
-    ASSERT_FALSE(scene) << name;
-    EXPECT_EQ(scene.error().code, ErrorCode::unsupported_format);
-    EXPECT_NE(scene.error().text.find("square, ball, sheet, dented[:number]"), std::string::npos) << scene.error().text;
-  }
 }
 
 /// Rounding of vertices that are placed within a hundred units.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The classic engine: its tree, its maintenance, the work of its queries. What all engines promise is in
-// query_test.cpp, misuse_test.cpp and model_misuse_test.cpp.
+// query_test.cpp and misuse_test.cpp.
 #include <gtest/gtest.h>
 
 #include <bit>

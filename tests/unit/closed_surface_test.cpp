@@ -47,6 +47,7 @@ Error refusal_of(std::vector<Corners> triangles) {
   return surface ? Error{} : surface.error();
 }
 
+// libigl #644: with copies of some faces, turned over, a point inside gets a positive distance.
 TEST(ClosedSurface, WhatIsNotClosedIsRefusedNamingTheEdge) {
   const std::vector<Corners> triangles = scenes::ball(6, 4).triangles();
   const auto expect = [](const Error& error, std::size_t where, const std::string& part) {
@@ -66,6 +67,8 @@ TEST(ClosedSurface, WhatIsNotClosedIsRefusedNamingTheEdge) {
   EXPECT_LE(*refusal_of(mixed).where, 7U);
 }
 
+// Open3D #6919: all points are outside of a mesh whose triangles look inward or do not close it.
+// libigl #1204: a point on the mesh gets a distance that is no number, because a comparison has no equals sign.
 TEST(ClosedSurface, KnownAnswers) {
   for (const bool is_turned : {false, true}) {
     const Mesh box = box_mesh({0, 0, 0}, {1, 1, 1});
@@ -124,6 +127,8 @@ struct Tetrahedra {
   }
 };
 
+// Open3D #5669: lines of wrong signs through the picture of a ball. trimesh #85, #75: points outside that count as
+// inside, because a ray hits an edge three times.
 TEST(ClosedSurface, WindingNumbersOfTetrahedraAreExact) {
   Rng rng(851);
   int on = 0, in = 0;
@@ -169,6 +174,7 @@ TEST(ClosedSurface, WindingNumbersOfTetrahedraAreExact) {
   EXPECT_GT(in, 1000);
 }
 
+// Warp PR #1600: the refit of what decides about inside begins at the wrong node, and signs are wrong afterwards.
 TEST(ClosedSurface, OfDeformingModelsIsExactWithAnyMotionMargin) {
   Rng rng(852);
   for (int i = 0; i < 40; ++i) {

@@ -1,16 +1,27 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "limber/mesh.h"
 
+// Meshes, welding of equal positions, and triangles that are near along the surface: known answers, twins, mistakes of
+// callers. Weld also has a random order of vertices, and soups that become surfaces.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <map>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "limber/contacts.h"
+#include "limber/mesh.h"
+#include "limber/model.h"
+#include "limber/points.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
+#include "support/random_geometry.h"
+#include "support/random_scene.h"
 
 namespace limber::testing {
 namespace {
@@ -118,6 +129,206 @@ TEST(Mesh, ReplacesPositionsThatAreSoundAndNoOthers) {
   EXPECT_EQ(mesh.positions(), moved);
   mesh.set_positions(ids, corner_positions).value();
   EXPECT_EQ(mesh.positions(), corner_positions);
+}
+
+/// What weld() says, by comparing each position with all before it.
+Weld brute_force_weld(const std::vector<Vec3>& positions) {
+  Weld result;
+  for (const Vec3& p : positions) {
+    std::size_t w = 0;
+    while (w < result.first_of.size() && positions[result.first_of[w]] != p) ++w;
+    if (w == result.first_of.size()) result.first_of.push_back(static_cast<VertexId>(result.welded_of.size()));
+    result.welded_of.push_back(static_cast<VertexId>(w));
+  }
+  return result;
+}
+
+void expect_twin(const std::vector<Vec3>& positions) {
+  const Weld found = weld(positions), truth = brute_force_weld(positions);
+  EXPECT_EQ(found.welded_of, truth.welded_of);
+  EXPECT_EQ(found.first_of, truth.first_of);
+}
+
+/// A mesh whose triangles have vertices of their own.
+Mesh soup_of(const Mesh& mesh) {
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  for (const Corners& corners : mesh.triangles()) {
+    const auto first = static_cast<VertexId>(positions.size());
+    for (const VertexId v : corners) positions.push_back(mesh.positions()[v]);
+    triangles.push_back({first, first + 1, first + 2});
+  }
+  return Mesh::create(std::move(positions), std::move(triangles)).value();
+}
+
+TEST(Weld, OfPositionsIsThatOfTheTwin) {
+  Rng rng(1601);
+  expect_twin({});
+  expect_twin({{0.0, 0, 0}, {-0.0, 0, -0.0}, {0x1p-1074, 0, 0}, {0, 0, 0}, {1, 0, 0}, {1 + 0x1p-52, 0, 0}});
+  for (int i = 0; i < 60 && !HasFailure(); ++i) {
+    const double scale = std::ldexp(1.0, static_cast<int>(rng.below(400)) - 200);
+    const std::uint64_t side = 1 + rng.below(9);
+    const Vec3 offset = rng.below(2) == 0 ? Vec3{} : uniform_point(rng, -1e12, 1e12);
+    std::vector<Vec3> positions(rng.below(700));
+    for (Vec3& p : positions) p = scale * (lattice_point(rng, side) - Vec3{1, 1, 1} + offset);
+    expect_twin(positions);
+  }
+}
+
+TEST(Weld, OfAPlaneOfAnyDirectionIsFast) {
+  // Each axis with two others: a table that took only some bits of a coordinate would be slow for one of them.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<Vec3> positions(1'000'000);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      positions[i][(axis + 1) % 3] = static_cast<double>(i % 1000);
+      positions[i][(axis + 2) % 3] = static_cast<double>(i / 1000);
+    }
+    EXPECT_EQ(weld(positions).first_of.size(), positions.size());
+  }
+}
+
+TEST(Weld, OfASoupIsASurfaceWithTheSameTriangles) {
+  const Mesh ball = scenes::ball(20, 12), soup = soup_of(ball);
+  ASSERT_FALSE(soup.is_closed());
+  const WeldedMesh welded = weld(soup);
+  EXPECT_TRUE(welded.mesh.is_closed());
+  EXPECT_EQ(welded.mesh.positions().size(), ball.positions().size());
+  ASSERT_EQ(welded.mesh.triangles().size(), ball.triangles().size());
+  for (std::size_t v = 0; v < soup.positions().size(); ++v) {
+    EXPECT_EQ(welded.mesh.positions()[welded.vertices.welded_of[v]], soup.positions()[v]);
+  }
+  for (std::size_t v = 0; v < welded.vertices.first_of.size(); ++v) {
+    EXPECT_EQ(welded.mesh.positions()[v], soup.positions()[welded.vertices.first_of[v]]);
+  }
+  for (TriangleId t = 0; t < ball.triangles().size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(welded.mesh.triangle(t)[i], ball.triangle(t)[i]);
+  }
+  const Model model(welded.mesh);
+  EXPECT_TRUE(ClosedSurface::create(model).value().contains({}));
+  // Once more changes nothing.
+  EXPECT_EQ(weld(welded.mesh).mesh.triangles(), welded.mesh.triangles());
+}
+
+TEST(Weld, KeepsTrianglesThatBecomeSegmentsAndPoints) {
+  const Vec3 p{1, 2, 3}, q{4, 5, 6};
+  const Mesh mesh = Mesh::create({p, q, p, p, {7, 7, 7}}, {{0, 1, 2}, {3, 2, 0}}).value();
+  const WeldedMesh welded = weld(mesh);
+  EXPECT_EQ(welded.mesh.positions(), (std::vector<Vec3>{p, q, {7, 7, 7}}));
+  EXPECT_EQ(welded.mesh.triangles(), (std::vector<Corners>{{0, 1, 0}, {0, 0, 0}}));
+  EXPECT_EQ(welded.vertices.welded_of, (std::vector<VertexId>{0, 1, 0, 0, 2}));
+}
+
+TEST(Weld, RefusesWhatIsNoNumberAndMeshesThatWereMovedFrom) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  try {
+    static_cast<void>(weld(std::vector<Vec3>{{0, 0, 0}, {0, 0, nan}}));
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "limber::weld: vertex 1 has a coordinate that is not a number");
+  }
+  Mesh mesh = scenes::ball(6, 4);
+  const Mesh taken = std::move(mesh);
+  EXPECT_THROW(static_cast<void>(weld(mesh)),
+               std::invalid_argument);  // NOLINT(bugprone-use-after-move): that is the mistake
+}
+
+constexpr std::uint32_t most_edges = std::numeric_limits<std::uint32_t>::max();
+
+TEST(NeighborRings, OfAStripReachOneSquareFurtherWithEachEdge) {
+  // A strip of 30 squares: square k has triangles 2 k and 2 k + 1, which have vertices on both sides of it.
+  const Mesh strip = scenes::grid(30, 1, 0, 0, 1, 1);
+  for (const std::uint32_t edges : {1U, 2U, 5U}) {
+    const NeighborRings rings(strip, edges);
+    EXPECT_EQ(rings.triangle_count(), 60U);
+    for (TriangleId b = 0; b < 60; ++b) {
+      EXPECT_EQ(rings.are_near(0, b), b / 2 <= edges + 1) << edges << ' ' << b;
+      EXPECT_EQ(rings(0, b), b / 2 > edges + 1) << edges << ' ' << b;
+    }
+  }
+  EXPECT_EQ(NeighborRings(strip, most_edges).pair_count(), 60U * 59 / 2);
+}
+
+/// Triangles of random vertices, some of which name a vertex twice; sheets and balls with odd triangles.
+Mesh tangled(Rng& rng) {
+  if (rng.below(3) == 0) {
+    std::vector<Vec3> positions(1 + rng.below(60));
+    std::vector<Corners> triangles(1 + rng.below(40));
+    for (Corners& c : triangles) {
+      for (VertexId& v : c) v = static_cast<VertexId>(rng.below(positions.size()));
+    }
+    return Mesh::create(std::move(positions), std::move(triangles)).value();
+  }
+  const Mesh mesh = rng.below(2) == 0 ? scenes::ball(some(rng, 3, 10), some(rng, 2, 8))
+                                      : scenes::grid(some(rng, 1, 10), some(rng, 1, 10), 0, 0, 1, 1);
+  std::vector<Corners> triangles = mesh.triangles();
+  for (Corners& c : triangles) {
+    if (rng.below(30) == 0) c[rng.below(3)] = static_cast<VertexId>(rng.below(mesh.positions().size()));
+  }
+  return Mesh::create(mesh.positions(), std::move(triangles)).value();
+}
+
+TEST(NeighborRings, AreThoseOfASearchFromEveryVertex) {
+  Rng rng(1501);
+  std::size_t near_count = 0, far_count = 0;
+  for (int i = 0; i < 150; ++i) {
+    SCOPED_TRACE(i);
+    const Mesh mesh = tangled(rng);
+    const auto edges = static_cast<std::uint32_t>(rng.below(6));
+    const NeighborRings rings(mesh, edges);
+    const std::vector<TrianglePair> truth = reference::near_pairs(mesh, edges);
+    ASSERT_EQ(rings.pair_count(), truth.size());
+    std::size_t next = 0;
+    for (TriangleId a = 0; a < mesh.triangles().size(); ++a) {
+      for (TriangleId b = a + 1; b < mesh.triangles().size(); ++b) {
+        const bool is_near = next < truth.size() && truth[next] == TrianglePair{a, b};
+        next += is_near ? 1 : 0;
+        ASSERT_EQ(rings.are_near(a, b), is_near) << a << ' ' << b;
+        ASSERT_EQ(rings.are_near(b, a), is_near) << b << ' ' << a;
+        ++(is_near ? near_count : far_count);
+      }
+    }
+  }
+  EXPECT_GT(near_count, 10'000U);
+  EXPECT_GT(far_count, 10'000U);
+}
+
+TEST(NeighborRings, DoNotJumpFromPieceToPiece) {
+  const NeighborRings rings(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}), most_edges);
+  EXPECT_FALSE(rings.are_near(0, 1));  // equal positions, other vertices
+  EXPECT_TRUE(rings.are_near(0, 0));
+  EXPECT_EQ(rings.pair_count(), 0U);
+}
+
+TEST(NeighborRings, LeaveOnlyContactsOfOtherParts) {
+  // A sheet that is folded in the middle, a little above itself.
+  const Mesh flat = scenes::grid(20, 4, 0, 0, 1, 1);
+  std::vector<Vec3> positions = flat.positions();
+  for (Vec3& p : positions) {
+    if (p.x > 10) p.x = 20 - p.x, p.z = 0.5;
+  }
+  const Model model(Mesh::create(positions, flat.triangles()).value());
+  const NeighborRings rings(flat, 2);
+  const std::size_t all = self_contacts(model, 0.6, {}).count;
+  std::vector<Contact> found(all);
+  const std::size_t far = self_contacts(model, 0.6, found, {.filter = rings}).count;
+  EXPECT_GT(far, 100U);
+  EXPECT_LT(far, all);
+  for (std::size_t i = 0; i < far; ++i) EXPECT_NE(found[i].point_a.z, found[i].point_b.z);
+}
+
+TEST(NeighborRings, RefuseMeshesAndTrianglesThatAreNotThere) {
+  Mesh mesh = scenes::grid(2, 2, 0, 0, 1, 1);
+  NeighborRings rings(mesh, 1);
+  EXPECT_THROW((void)rings.are_near(0, 8), std::invalid_argument);
+  EXPECT_THROW((void)rings(no_id, 0), std::invalid_argument);
+  const Model larger(scenes::grid(6, 6, 0, 0, 1, 1));
+  EXPECT_THROW(self_contacts(larger, 10, {}, {.filter = rings}), std::invalid_argument);
+  const NeighborRings taken_rings = std::move(rings);
+  EXPECT_TRUE(taken_rings.are_near(0, 1));
+  EXPECT_THROW((void)rings.are_near(0, 1), std::invalid_argument);  // NOLINT(*-use-after-move,*-cplusplus.Move)
+  const Mesh taken = std::move(mesh);
+  EXPECT_EQ(taken.triangles().size(), 8U);
+  EXPECT_THROW(NeighborRings(mesh, 1), std::invalid_argument);  // NOLINT(bugprone-use-after-move)
 }
 
 }  // namespace

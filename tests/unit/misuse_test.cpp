@@ -1,18 +1,27 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Mistakes of callers are refused in every build. They never cause a wrong answer, a hang or a crash.
+// Mistakes of callers are refused in every build, by every engine. They never cause a wrong answer, a hang or a crash.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
+#include "bvh/tree.h"
 #include "limber/distance.h"
+#include "reference/reference.h"
+#include "scenes/motions.h"
 #include "scenes/scenes.h"
 #include "support/engines.h"
 #include "support/random_geometry.h"
+#include "unit/internals.h"
+#include "unit/refusals.h"
 
 namespace limber::testing {
 namespace {
@@ -50,6 +59,8 @@ std::vector<std::pair<std::string, Transform>> bad_poses() {
   return poses;
 }
 
+// Embree #300: what is no number goes through minima and maxima in one way on one instruction set and in another way on
+// others. Every entrance refuses it here.
 TYPED_TEST(Misuse, OfPosesIsRefused) {
   for (const auto& [what, pose] : bad_poses()) {
     EXPECT_THROW(static_cast<void>(this->distance(this->a_, this->b_, pose)), std::invalid_argument) << what;
@@ -123,6 +134,232 @@ TEST(MisuseOfGeometry, NumbersOutOfRangeAreRefused) {
     EXPECT_THROW(orient2d({}, {1, 0, 0}, point, 0), std::invalid_argument);
   }
   EXPECT_THROW(orient2d({}, {1, 0, 0}, {0, 1, 0}, 3), std::invalid_argument);
+}
+
+template <typename Engine>
+class ModelMisuse : public ::testing::Test {
+ public:
+  /// Expects that a call of a function is refused, as its model has been moved from.
+  template <typename Call>
+  static void is_gone(const std::string& function, const Call& call) {
+    const std::string model = std::is_same_v<Engine, FastEngine> ? "limber::Model::" : "limber::classic::Model::";
+    EXPECT_TRUE(is_refused(call, {model + function + ": the model has been moved from"}));
+  }
+};
+TYPED_TEST_SUITE(ModelMisuse, MovingEngines, EngineNames);
+
+TYPED_TEST(ModelMisuse, OfAModelThatWasMovedFromIsRefused) {
+  using Model = typename TypeParam::Model;
+  for (const bool has_moved : {false, true}) {
+    Model model(scenes::ball(12, 7));
+    if (has_moved) {
+      ASSERT_TRUE(static_cast<bool>(model.move_all(scenes::ball(12, 7).positions())));
+    }
+    const Model other(std::move(model));
+    const Model& gone = model;
+    EXPECT_TRUE(other.is_valid());
+    EXPECT_FALSE(gone.is_valid());
+    EXPECT_FALSE(gone.is_committed());
+    this->is_gone("move_vertices", [&] { (void)model.move_vertices({}, {}); });
+    this->is_gone("move_all", [&] { (void)model.move_all({}); });
+    this->is_gone("commit", [&] { model.commit(); });
+    this->is_gone("mesh", [&] { (void)gone.mesh(); });
+    this->is_gone("options", [&] { (void)gone.options(); });
+    this->is_gone("maintenance_stats", [&] { (void)gone.maintenance_stats(); });
+    this->is_gone("tree_stats", [&] { (void)gone.tree_stats(); });
+    this->is_gone("validate", [&] { (void)gone.validate(); });
+    if constexpr (std::is_same_v<TypeParam, FastEngine>) {
+      this->is_gone("rebuild", [&] { model.rebuild(); });
+      this->is_gone("set_motion_margin", [&] { model.set_motion_margin(1); });
+    }
+  }
+}
+
+TYPED_TEST(ModelMisuse, OfAModelThatWasMovedFromEndsWhenItIsAssignedTo) {
+  using Model = typename TypeParam::Model;
+  Model model(scenes::ball(12, 7)), other(std::move(model));
+  model = Model(scenes::grid(6, 6, -3, -3, 1, 1));
+  EXPECT_TRUE(model.is_committed());
+  EXPECT_EQ(model.mesh().triangles().size(), 72U);
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+  // In the other direction, and from a model that has been moved from.
+  other = std::move(model);
+  EXPECT_EQ(other.mesh().triangles().size(), 72U);
+  other = std::move(model);
+  EXPECT_FALSE(other.is_valid());
+  // Moves that are not committed yet are taken along.
+  Model moved(scenes::ball(12, 7));
+  const std::vector<Vec3> to{{3, 0, 0}};
+  ASSERT_TRUE(static_cast<bool>(moved.move_vertices(std::vector<VertexId>{7}, to)));
+  other = std::move(moved);
+  EXPECT_FALSE(other.is_committed());
+  other.commit();
+  EXPECT_EQ(other.mesh().positions()[7], to[0]);
+  EXPECT_TRUE(static_cast<bool>(other.validate()));
+}
+
+TEST(ModelMisuse, OfAModelThatWasMovedFromEndsWithReset) {
+  Model model(scenes::ball(12, 7), {.motion_margin = 0.5});
+  ASSERT_TRUE(static_cast<bool>(model.move_all(model.mesh().positions())));
+  Model other(std::move(model));
+  other.reset(scenes::ball(6, 4));
+  EXPECT_EQ(other.options().motion_margin, 0.5);
+  EXPECT_EQ(other.maintenance_stats().moved_vertices, 0U);
+  model.reset(scenes::grid(6, 6, -3, -3, 1, 1));
+  EXPECT_TRUE(model.is_committed());
+  EXPECT_EQ(model.options().motion_margin, 0);  // the default: the options were moved away too
+  EXPECT_EQ(model.mesh().triangles().size(), 72U);
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+}
+
+TYPED_TEST(ModelMisuse, ByMovingAModelToItselfChangesNothing) {
+  using Model = typename TypeParam::Model;
+  Model model(scenes::ball(12, 7));
+  const std::vector<Vec3> positions = model.mesh().positions();
+  Model& same = model;
+  model = std::move(same);
+  ASSERT_TRUE(model.is_valid());
+  EXPECT_EQ(model.mesh().positions(), positions);
+  ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+  model.commit();
+  EXPECT_TRUE(static_cast<bool>(model.validate()));
+}
+
+TYPED_TEST(ModelMisuse, OfAMeshThatWasMovedFromIsRefused) {
+  using Model = typename TypeParam::Model;
+  Mesh mesh = scenes::ball(12, 7);
+  const Mesh taken = std::move(mesh);
+  EXPECT_TRUE(is_refused([&] { Model(std::move(mesh)); }, {"the mesh has been moved from"}));
+  if constexpr (std::is_same_v<TypeParam, FastEngine>) {
+    Model model(taken);
+    EXPECT_TRUE(is_refused([&] { model.reset(std::move(mesh)); }, {"the mesh has been moved from"}));
+    EXPECT_EQ(model.mesh().positions(), taken.positions());
+    EXPECT_TRUE(model.is_committed());
+  }
+}
+
+TEST(ModelMisuse, OfOptionsIsRefused) {
+  const Mesh mesh = scenes::ball(12, 7);
+  for (const double bad : {double{NAN}, -0.5, -2.0, double{INFINITY}, double{-INFINITY}}) {
+    EXPECT_TRUE(is_refused([&] { Model(mesh, {.motion_margin = bad}); }, {"limber::Model: options.motion_margin"}));
+    EXPECT_TRUE(
+        is_refused([&] { Model(mesh, {.rebuild_budget_us = bad}); }, {"limber::Model: options.rebuild_budget_us"}));
+    for (const bool has_moved : {false, true}) {
+      Model model(mesh, {.motion_margin = 0.25});
+      if (has_moved) {
+        ASSERT_TRUE(static_cast<bool>(model.move_all(mesh.positions())));
+      }
+      EXPECT_TRUE(is_refused([&] { model.set_motion_margin(bad); }, {"limber::Model::set_motion_margin: the margin"}));
+      EXPECT_EQ(model.options().motion_margin, 0.25);
+      EXPECT_EQ(model.maintenance_stats().motion_margin, 0.25);
+      EXPECT_EQ(model.is_committed(), !has_moved);
+    }
+    const auto classic_with = [&](const classic::Looseness& looseness) {
+      return [&mesh, looseness] { classic::Model(mesh, {.looseness = looseness}); };
+    };
+    EXPECT_TRUE(is_refused(classic_with({.extra_radius = bad}), {"options.looseness.extra_radius"}));
+    EXPECT_TRUE(is_refused(classic_with({.stale_ratio = bad}), {"options.looseness.stale_ratio"}));
+  }
+  EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.extra_radius = 101}}); },
+                         {"options.looseness.extra_radius"}));
+  EXPECT_TRUE(is_refused([&] { classic::Model(mesh, {.looseness = {.stale_ratio = 0.5}}); }, {"stale_ratio"}));
+}
+
+// ifc-lite PR #3561: one vertex that is no number makes all boxes up to the root such, and nothing is found any more.
+TYPED_TEST(ModelMisuse, ByUpdatesIsRefusedAndChangesNothing) {
+  typename TypeParam::Model model(scenes::ball(12, 7));
+  const std::vector<Vec3> before = model.mesh().positions();
+  const auto count = static_cast<VertexId>(before.size());
+  const std::vector<VertexId> one{0}, pair{0, 1}, beyond{0, count};
+  const std::vector<Vec3> two{{0, 0, 1}, {0, 0, 1}}, none{{0, 0, 1}, {0, NAN, 0}}, huge{{1e70, 0, 1}};
+  std::vector<Vec3> all = before;
+  all[5].x = INFINITY;
+  const auto expect_refused = [&](const Result<void>& result, ErrorCode code, const std::string& text) {
+    ASSERT_FALSE(static_cast<bool>(result));
+    EXPECT_EQ(result.error().code, code);
+    EXPECT_EQ(result.error().text, text);
+    EXPECT_EQ(model.mesh().positions(), before);
+    EXPECT_TRUE(model.is_committed());
+    EXPECT_EQ(model.maintenance_stats().moved_vertices, 0U);
+  };
+  const std::string n = std::to_string(count);
+  expect_refused(model.move_vertices(beyond, two), ErrorCode::index_out_of_range,
+                 "entry 1 of the update names vertex " + n + ", but there are only " + n);
+  expect_refused(model.move_vertices(one, two), ErrorCode::size_mismatch, "2 positions for 1 ids");
+  expect_refused(model.move_vertices(pair, none), ErrorCode::non_finite, "entry 1 of the update is not finite");
+  expect_refused(model.move_vertices(one, huge), ErrorCode::too_large,
+                 "entry 0 of the update has a coordinate above the limit of 2^200");
+  expect_refused(model.move_all(two), ErrorCode::size_mismatch, "2 positions for " + n + " vertices");
+  expect_refused(model.move_all(all), ErrorCode::non_finite, "entry 5 of the update is not finite");
+}
+
+/// Ids and positions of an update that moves every vertex but one to the position of its neighbour, the previous one or
+/// the next one.
+struct Shift {
+  std::vector<VertexId> ids;
+  std::span<const Vec3> own;
+  std::vector<Vec3> expected;
+
+  Shift(const Mesh& mesh, bool forwards) : ids(mesh.positions().size() - 1), own(mesh.positions()) {
+    std::iota(ids.begin(), ids.end(), forwards ? 1U : 0U);
+    own = forwards ? own.first(ids.size()) : own.last(ids.size());
+    expected = mesh.positions();
+    const std::vector<Vec3> copy(own.begin(), own.end());
+    for (std::size_t i = 0; i < ids.size(); ++i) expected[ids[i]] = copy[i];
+  }
+};
+
+TYPED_TEST(ModelMisuse, IsNotToMoveVerticesToPositionsOfTheModelItself) {
+  using Model = typename TypeParam::Model;
+  for (const bool forwards : {true, false}) {
+    Model model(scenes::ball(12, 7));
+    const Shift shift(model.mesh(), forwards);
+    ASSERT_TRUE(static_cast<bool>(model.move_vertices(shift.ids, shift.own)));
+    EXPECT_EQ(model.mesh().positions(), shift.expected);
+    ASSERT_TRUE(static_cast<bool>(model.move_all(model.mesh().positions())));
+    EXPECT_EQ(model.mesh().positions(), shift.expected);
+    // Ids may be those of the model's own triangles.
+    const Corners& corners = model.mesh().triangles()[5];
+    const std::vector<Vec3> to{{1, 2, 3}, {2, 3, 1}, {3, 1, 2}};
+    ASSERT_TRUE(static_cast<bool>(model.move_vertices(corners, to)));
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(model.mesh().positions()[corners[k]], to[k]);
+    model.commit();
+    EXPECT_TRUE(static_cast<bool>(model.validate()));
+  }
+}
+
+TEST(ModelMisuse, IsNotToReplacePositionsByThoseOfTheMeshItself) {
+  for (const bool forwards : {true, false}) {
+    Mesh mesh = scenes::ball(12, 7);
+    const Shift shift(mesh, forwards);
+    mesh.set_positions(shift.ids, shift.own).value();
+    EXPECT_EQ(mesh.positions(), shift.expected);
+    mesh.set_positions(mesh.positions()).value();
+    EXPECT_EQ(mesh.positions(), shift.expected);
+  }
+}
+
+TEST(ModelMisuse, OfAliasesDoesNotHideMotionFromCaches) {
+  // Every vertex moves by 0.01 along a row. If each position were read after its neighbour was written, all vertices
+  // would end at one place, up to the length of the row away, and no cache would notice.
+  constexpr std::uint32_t count = 2000;
+  std::vector<Vec3> positions;
+  std::vector<Corners> triangles;
+  for (std::uint32_t i = 0; i < count; ++i) positions.push_back({0.01 * i, 0.001 * (i % 3), 0});
+  for (std::uint32_t i = count / 2; i + 2 < count; ++i) triangles.push_back({i, i + 1, i + 2});
+  Model row(Mesh::create(positions, triangles).value());
+  const Model probe(soup({{{0, 0, 1}, {0.01, 0, 1}, {0, 0.01, 1}}, {{0, 5, 0}, {0.1, 5, 0}, {0, 5.1, 0}}}));
+  QueryCache cache;
+  static_cast<void>(distance({row}, {probe}, {.cache = &cache}));
+  const Shift shift(row.mesh(), true);
+  ASSERT_TRUE(static_cast<bool>(row.move_vertices(shift.ids, shift.own)));
+  row.commit();
+  EXPECT_EQ(row.mesh().positions(), shift.expected);
+  const double truth = reference::distance({row.mesh()}, {probe.mesh()}).upper;
+  EXPECT_NEAR(distance({row}, {probe}, {.cache = &cache}).upper, truth, 1e-13);
+  // At least the longest displacement of a vertex, at most that and rounding.
+  EXPECT_GE(tree_of(row).displacement, 0.01);
+  EXPECT_LE(tree_of(row).displacement, 0.011);
 }
 
 }  // namespace

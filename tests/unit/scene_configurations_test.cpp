@@ -188,14 +188,13 @@ TEST(SceneConfigurationsTest, AskOnePairAfterTheOtherUntilOneIsWithinTheDistance
     std::size_t asked = 0;
     const auto ask = [&](const ObjectPair& pair) {
       const CollideResult r = within(plan.scene.object(pair.a), plan.scene.object(pair.b), 1e-3);
-      expected.result.stats.node_tests += r.stats.node_tests;
-      expected.result.stats.primitive_tests += r.stats.primitive_tests;
+      expected.result.stats += r.stats;
       ++asked;
       if (!r.is_yes()) return true;
       expected.objects = pair, expected.result.answer = Answer::yes, expected.result.witness = r.witness;
       return false;
     };
-    plan.scene.visit_candidate_pairs(1e-3, ask, {.filter = filter});
+    plan.scene.visit_candidate_pairs(1e-3, ask, filter);
     ASSERT_TRUE(has_same_bits(plan.scene.any_within(1e-3, {.filter = filter}), expected));
     late += expected.result.is_yes() && asked > 3 ? 1 : 0;
   }
@@ -214,8 +213,9 @@ TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
       for (ObjectId a = 0; a < b; ++a) counts.set(a, b, rng.below(2) == 0);
     }
     for (const bool has_filter : {false, true}) {
-      ClosestObjectsOptions how{.relative_error = has_filter ? 0.1 : 0, .max_distance = has_filter ? 1.5 : INFINITY};
-      AnyWithinOptions which;
+      SceneDistanceOptions how;
+      if (has_filter) how.distance = {.relative_error = 0.1, .max_distance = 1.5};
+      SceneQueryOptions which;
       if (has_filter) how.filter = which.filter = counts;
       std::vector<ClosestObjectsResult> expected(plan.count), closest(plan.count);
       std::vector<AnyWithinResult> expected_any(plan.count), any(plan.count);
@@ -304,7 +304,7 @@ TEST(SceneBudgets, LeaveConfigurationsOpenWhenTimeIsUp) {
   const std::pair<QueryBudget, StoppedBy> spent[] = {{{.deadline = Clock::now()}, StoppedBy::deadline},
                                                      {{.cancel = &cancel}, StoppedBy::cancel}};
   for (const auto& [budget, reason] : spent) {
-    plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.budget = budget});
+    plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.distance = {.budget = budget}});
     plan.scene.any_within_many(plan.ids, plan.poses, 100, any, {.budget = budget});
     for (std::size_t k = 0; k < plan.count; ++k) {
       ASSERT_EQ(closest[k].result.status, DistanceStatus::interrupted);
@@ -319,7 +319,7 @@ TEST(SceneBudgets, LeaveConfigurationsOpenWhenTimeIsUp) {
   // Time enough changes no bit.
   std::vector<ClosestObjectsResult> all(plan.count);
   plan.scene.closest_objects_many(plan.ids, plan.poses, closest,
-                                  {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}});
+                                  {.distance = {.budget = {.deadline = Clock::now() + std::chrono::hours(1)}}});
   plan.scene.closest_objects_many(plan.ids, plan.poses, all);
   for (std::size_t k = 0; k < plan.count; ++k) ASSERT_NEAR(closest[k].result.upper, all[k].result.upper, 1e-13);
 }
@@ -334,7 +334,7 @@ TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
     const QueryBudget budgets[] = {
         {.max_steps = 0}, {.max_steps = 1}, {.max_steps = 6}, {.deadline = Clock::now()}, {.cancel = &cancel}};
     for (const QueryBudget& budget : budgets) {
-      const auto [objects, result] = plan.scene.closest_objects({.budget = budget});
+      const auto [objects, result] = plan.scene.closest_objects({.distance = {.budget = budget}});
       ASSERT_LE(result.lower, truth + 1e-13);
       ASSERT_GE(result.upper, truth - 1e-13);
       ASSERT_EQ(result.status == DistanceStatus::interrupted, result.stopped_by != StoppedBy::nothing);
@@ -349,9 +349,9 @@ TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
       // Steps are counted for each pair, so they give the same bits on any number of threads.
       if (budget.deadline || budget.cancel != nullptr) continue;
       std::vector<ClosestObjectsResult> closest(8), again(8);
-      plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.budget = budget});
+      plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.distance = {.budget = budget}});
       oneapi::tbb::task_arena(5).execute(
-          [&] { plan.scene.closest_objects_many(plan.ids, plan.poses, again, {.budget = budget}); });
+          [&] { plan.scene.closest_objects_many(plan.ids, plan.poses, again, {.distance = {.budget = budget}}); });
       for (std::size_t k = 0; k < 8; ++k) ASSERT_TRUE(has_same_bits(closest[k], again[k]));
     }
   }
@@ -366,7 +366,7 @@ TEST(SceneBudgets, EndSearchesWhereNoPairCounts) {
        {QueryBudget{.deadline = Clock::now()}, QueryBudget{.cancel = &stop}, QueryBudget{.abandon = &stop}}) {
     std::size_t calls = 0;
     const auto none = [&](ObjectId, ObjectId) { return ++calls, false; };
-    const auto [objects, result] = plan.scene.closest_objects({.filter = none, .budget = budget});
+    const auto [objects, result] = plan.scene.closest_objects({.distance = {.budget = budget}, .filter = none});
     EXPECT_EQ(result.status, DistanceStatus::interrupted);
     EXPECT_TRUE(objects == ObjectPair{} && !result.witness && result.lower == 0 && result.upper == INFINITY);
     const AnyWithinResult any = plan.scene.any_within(100, {.filter = none, .budget = budget});
@@ -386,7 +386,7 @@ TEST(SceneBudgets, EndQueriesOfPairs) {
   const std::atomic<bool> cancel = true;
   plan.scene.collide(pairs, collisions, {.budget = {.cancel = &cancel}});
   plan.scene.within(pairs, 0.1, withins, {.budget = {.max_steps = 0}});
-  plan.scene.distance(pairs, distances, {.budget = {.max_steps = 0}});
+  plan.scene.distance(pairs, distances, {.distance = {.budget = {.max_steps = 0}}});
   std::size_t open = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Placed &a = plan.scene.object(pairs[i].a), &b = plan.scene.object(pairs[i].b);

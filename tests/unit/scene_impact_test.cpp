@@ -27,10 +27,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// A ball around the origin.
 Mesh ball_of(double radius) {
-  const Mesh unit = scenes::ball(6, 4);
-  std::vector<Vec3> positions(unit.positions().begin(), unit.positions().end());
-  for (Vec3& p : positions) p = radius * p;
-  return Mesh::create(std::move(positions), {unit.triangles().begin(), unit.triangles().end()}).value();
+  return mapped(scenes::ball(6, 4), [&](const Vec3& p) { return radius * p; });
 }
 
 Transform shifted(double x, double y = 0, double z = 0) { return {{}, {x, y, z}}; }
@@ -46,19 +43,19 @@ void expect_first_impact(const limber::Scene& scene, const Body& body, const Rig
   ASSERT_EQ(found.object == no_id, status == ImpactStatus::clear);
   ASSERT_EQ(time == 0, status == ImpactStatus::initial_contact);
   ASSERT_EQ(std::isinf(time), status == ImpactStatus::clear);
-  const double end = std::min(time, options.max_time);
+  const double end = std::min(time, options.path.max_time);
   for (int i = 0; i < 40; ++i) {
     const Placed there(body, motion.at(end * i / 40));
     for (ObjectId id = 0; id < scene.id_bound() && status != ImpactStatus::initial_contact; ++id) {
       if (!scene.contains(id) || (options.filter && !(*options.filter)(id))) continue;
-      ASSERT_GT(distance(there, scene.object(id)).upper, options.min_separation) << "object " << id;
+      ASSERT_GT(distance(there, scene.object(id)).upper, options.path.min_separation) << "object " << id;
     }
   }
   if (!witness) return;
   ASSERT_TRUE(!options.filter || (*options.filter)(found.object));
   const Placed there(body, motion.at(time));
   const DistanceResult at_impact = distance(there, scene.object(found.object));
-  ASSERT_LE(at_impact.upper, options.min_separation + error);
+  ASSERT_LE(at_impact.upper, options.path.min_separation + error);
   ASSERT_NEAR(length(normal), 1, 1e-12);
   if (at_impact.upper > 1e-4) {
     const Vec3 apart = witness->point_b - witness->point_a;
@@ -83,8 +80,8 @@ TEST(SceneImpact, NothingIsTouchedBefore) {
     const double size = rng.below(3) == 0 ? 0.01 : 1;
     const Model small(ball_of(size));
     const RigidMotion motion{random_pose(rng, 8), random_pose(rng, 8), size * uniform_point(rng)};  // in this order
-    ObjectImpactOptions options{.max_time = rng.below(2) == 0 ? 1 : rng.uniform(), .distance_error = 1e-4};
-    if (rng.below(3) == 0) options.min_separation = rng.uniform();
+    ObjectImpactOptions options{.path = {.max_time = rng.below(2) == 0 ? 1 : rng.uniform(), .distance_error = 1e-4}};
+    if (rng.below(3) == 0) options.path.min_separation = rng.uniform();
     if (rng.below(3) == 0) options.filter = is_even;
     const Body body{rng.below(4) == 0 ? models[rng.below(3)] : small, rng.below(4) == 0 ? 0.3 : 0};
     expect_first_impact(scene, body, motion, options, 1e-4 * (1 + 1e-9));
@@ -136,7 +133,7 @@ TEST(SceneImpact, WaysThatPassAndWaysThatTurn) {
   const Shape bar = Shape::capsule({-1, 0, 0}, {1, 0, 0}, 0.1);
   const RigidMotion above(shifted(-5, 0, 0.6), shifted(30, 0, 0.6));
   EXPECT_EQ(row.scene.time_of_impact(bar, above).result.status, ImpactStatus::clear);
-  EXPECT_EQ(row.scene.time_of_impact(bar, above, {.min_separation = 0.2}).object, row.ids[0]);
+  EXPECT_EQ(row.scene.time_of_impact(bar, above, {.path = {.min_separation = 0.2}}).object, row.ids[0]);
   // A bar that turns a quarter about y on its way dips into the row.
   const Transform end{{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}, {30, 0, 0.6}};
   const auto turned = row.scene.time_of_impact(bar, RigidMotion(shifted(-5, 0, 0.6), end));
@@ -161,7 +158,7 @@ TEST(SceneImpact, BodiesThatStandAndScenesWithoutObjects) {
   EXPECT_TRUE(touching.object == row.ids[1] || touching.object == row.ids[2]);
   EXPECT_EQ(row.scene.time_of_impact(point, RigidMotion(shifted(7))).result.status, ImpactStatus::clear);
   const RigidMotion into(shifted(5), shifted(0));
-  EXPECT_EQ(row.scene.time_of_impact(point, into, {.max_time = 0}).result.status, ImpactStatus::clear);
+  EXPECT_EQ(row.scene.time_of_impact(point, into, {.path = {.max_time = 0}}).result.status, ImpactStatus::clear);
   EXPECT_EQ(row.scene.time_of_impact(point, into).object, row.ids[2]);
   const Model dot(Mesh::create({{0, 0, 0}}, {{0, 0, 0}}).value());  // without any size
   EXPECT_EQ(row.scene.time_of_impact(dot, into).object, row.ids[2]);
@@ -180,7 +177,7 @@ TEST(SceneImpact, BudgetsThatEndLeaveWhatIsFree) {
   const ObjectImpactResult whole = row.scene.time_of_impact(ball, slant);
   ASSERT_EQ(whole.result.status, ImpactStatus::contact);
   for (std::uint64_t steps = 0; steps < 100; ++steps) {
-    const ObjectImpactResult part = row.scene.time_of_impact(ball, slant, {.budget = {.max_steps = steps}});
+    const ObjectImpactResult part = row.scene.time_of_impact(ball, slant, {.path = {.budget = {.max_steps = steps}}});
     ASSERT_LE(part.result.time, whole.result.time + 1e-6);
     if (part.result.status == ImpactStatus::undecided) {
       EXPECT_EQ(part.result.stopped_by, StoppedBy::max_steps);
@@ -192,13 +189,13 @@ TEST(SceneImpact, BudgetsThatEndLeaveWhatIsFree) {
     EXPECT_TRUE(steps < 80 || part.result.status == ImpactStatus::contact) << steps;
   }
   const auto past = std::chrono::steady_clock::now() - std::chrono::seconds(1);
-  const ObjectImpactResult late = row.scene.time_of_impact(ball, slant, {.budget = {.deadline = past}});
+  const ObjectImpactResult late = row.scene.time_of_impact(ball, slant, {.path = {.budget = {.deadline = past}}});
   EXPECT_EQ(late.result.status, ImpactStatus::undecided);
   EXPECT_EQ(late.result.stopped_by, StoppedBy::deadline);
   EXPECT_LT(late.result.time, whole.result.time);
   EXPECT_GT(late.result.time, 0) << "objects that are not near a part of the way are not touched there";
   std::atomic<bool> cancel = true;
-  const ObjectImpactResult cancelled = row.scene.time_of_impact(ball, slant, {.budget = {.cancel = &cancel}});
+  const ObjectImpactResult cancelled = row.scene.time_of_impact(ball, slant, {.path = {.budget = {.cancel = &cancel}}});
   EXPECT_EQ(cancelled.result.stopped_by, StoppedBy::cancel);
 }
 
@@ -207,14 +204,16 @@ TEST(SceneImpact, RefusesWhatItCannotAnswer) {
   const Shape point = Shape::sphere(0.1);
   const RigidMotion into(shifted(5), shifted(0));
   const char* const name = "limber::Scene::time_of_impact: ";
-  const auto is_refused_with = [&](const ObjectImpactOptions& options, const std::string& why) {
-    return is_refused([&] { static_cast<void>(row.scene.time_of_impact(point, into, options)); }, {name, why});
+  const auto is_refused_with = [&](const PathOptions& options, const std::string& why) {
+    return is_refused([&] { static_cast<void>(row.scene.time_of_impact(point, into, {options})); }, {name, why});
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(is_refused_with({.max_time = 1.5}, "max_time is not in [0, 1]"));
   EXPECT_TRUE(is_refused_with({.max_time = nan}, "max_time is not in [0, 1]"));
   EXPECT_TRUE(is_refused_with({.min_separation = -1}, "min_separation must be finite and at least 0"));
   EXPECT_TRUE(is_refused_with({.distance_error = nan}, "distance_error must be finite and at least 0"));
+  QueryCache cache;
+  EXPECT_TRUE(is_refused_with({.cache = &cache}, "takes no cache"));
   const auto skewed = [](double time) { return Transform{{{1 + time, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}}; };
   EXPECT_TRUE(is_refused(
       [&] {

@@ -114,8 +114,10 @@ TEST_F(SceneMisuse, OfNumbersIsRefused) {
     refused("Scene::candidate_pairs", "margin", [&] { scene_.candidate_pairs(bad, {}); });
     refused("Scene::candidate_pairs", "margin", [&] { scene_.visit_candidate_pairs(bad, visit); });
     refused("within", "max_distance", [&] { scene_.within(pair_, bad, answer_); });
-    refused("Scene::distance", "relative_error", [&] { scene_.distance(pair_, distance_, {.relative_error = bad}); });
-    refused("Scene::closest_objects", "max_distance", [&] { (void)scene_.closest_objects({.max_distance = bad}); });
+    refused("Scene::distance", "relative_error",
+            [&] { scene_.distance(pair_, distance_, {.distance = {.relative_error = bad}}); });
+    refused("Scene::closest_objects", "max_distance",
+            [&] { (void)scene_.closest_objects({.distance = {.max_distance = bad}}); });
     EXPECT_THROW(reference::pairs_within({}, bad), std::invalid_argument);
   }
   refused("Scene::candidate_pairs", "margin", [&] { scene_.candidate_pairs(infinite, {}); });
@@ -147,12 +149,19 @@ TEST_F(SceneMisuse, OfConfigurationsIsRefused) {
     refused("Scene::any_within", "max_distance", [&] { (void)scene_.any_within(bad); });
     refused("Scene::any_within_many", "max_distance", [&] { scene_.any_within_many(ids, poses, bad, any); });
     refused("Scene::closest_objects_many", "absolute_error",
-            [&] { scene_.closest_objects_many(ids, poses, closest, {.absolute_error = bad}); });
+            [&] { scene_.closest_objects_many(ids, poses, closest, {.distance = {.absolute_error = bad}}); });
   }
   refused("Scene::any_within", "max_distance", [&] { (void)scene_.any_within(infinite); });
   SceneCache cache;
   refused("Scene::closest_objects_many", "cache",
           [&] { scene_.closest_objects_many(ids, poses, closest, {.cache = &cache}); });
+  refused("Scene::any_within_many", "cache", [&] { scene_.any_within_many(ids, poses, 1, any, {.cache = &cache}); });
+  refused("Scene::any_within", "cache", [&] { (void)scene_.any_within(1, {.cache = &cache}); });
+  QueryCache of_two;
+  const DistanceOptions with_cache{.cache = &of_two};
+  refused("Scene::closest_objects", "cache", [&] { (void)scene_.closest_objects({with_cache}); });
+  refused("Scene::closest_object", "cache", [&] { (void)scene_.closest_object({ball_}, {with_cache}); });
+  refused("Scene::distance", "cache", [&] { scene_.distance(pair_, distance_, {with_cache}); });
   const auto throws = [](ObjectId, ObjectId) -> bool { throw std::runtime_error("enough"); };
   EXPECT_THROW(scene_.any_within_many(ids, poses, 1, any, {.filter = throws}), std::runtime_error);
   const ObjectPairMatrix small(1);
@@ -171,7 +180,7 @@ TEST_F(SceneMisuse, OfModelsNextToTheSceneIsRefused) {
   for (const double bad : bad_numbers) {
     refused("Scene::visit_candidates", "margin", [&] { scene_.visit_candidates({ball_}, bad, visit); });
     refused("Scene::closest_object", "relative_error",
-            [&] { (void)scene_.closest_object({ball_}, {.relative_error = bad}); });
+            [&] { (void)scene_.closest_object({ball_}, {.distance = {.relative_error = bad}}); });
     refused("Scene::contacts", "margin", [&] { scene_.contacts(pair_, bad, found); });
   }
   const std::vector<ObjectPair> bad_pair{{0, 2}};
@@ -198,6 +207,9 @@ TEST_F(SceneMisuse, OfResultsIsRefused) {
   refused("Scene", "results", [&] { scene_.collide(pairs, answer_); });
   refused("Scene", "results", [&] { scene_.within(pairs, 1, answer_); });
   refused("Scene", "results", [&] { scene_.distance(pairs, distance_); });
+  const auto all = [](ObjectId, ObjectId) { return true; };
+  refused("Scene", "filter", [&] { scene_.collide(pair_, answer_, {.filter = all}); });
+  refused("Scene", "filter", [&] { scene_.distance(pair_, distance_, {.filter = all}); });
 }
 
 TEST_F(SceneMisuse, OfChangesThatAreNotCommittedIsRefused) {
@@ -233,7 +245,7 @@ TEST_F(SceneMisuse, ByVisitorsAndFiltersThatThrowChangesNothing) {
   const auto throws = [](const ObjectPair&) -> bool { throw std::runtime_error("enough"); };
   EXPECT_THROW(scene_.visit_candidate_pairs(0, throws), std::runtime_error);
   const auto filter = [](ObjectId, ObjectId) -> bool { throw std::runtime_error("enough"); };
-  EXPECT_THROW(scene_.candidate_pairs(0, {}, {.filter = filter}), std::runtime_error);
+  EXPECT_THROW(scene_.candidate_pairs(0, {}, filter), std::runtime_error);
   EXPECT_THROW((void)scene_.closest_objects({.filter = filter}), std::runtime_error);
 }
 

@@ -90,9 +90,9 @@ TEST(SceneNearTest, FindsWhatIsCloseToAPlacedModel) {
       const Transform& pose = placed.pose;
       ASSERT_LE(closest_points(result.witness->point_a, Triangle{pose(t.v0), pose(t.v1), pose(t.v2)}).distance, 1e-13);
       if (truth == 0) continue;
-      options.max_distance = truth * 0.99;
+      options.distance.max_distance = truth * 0.99;
       ASSERT_EQ(heap.scene.closest_object(placed, options).result.status, DistanceStatus::beyond_limit);
-      options.max_distance = truth * 1.01;
+      options.distance.max_distance = truth * 1.01;
       ASSERT_EQ(heap.scene.closest_object(placed, options).object, object);
     }
   }
@@ -122,12 +122,12 @@ TEST(SceneNearTest, StopsWhenTheVisitorSaysSoAndWhenTimeIsUp) {
   EXPECT_TRUE(calls == 5 && count.count == 5 && !count.is_complete);
   const auto is_other = [](ObjectId other) { return other > 0; };
   const std::vector<ObjectId> all = candidates_of(heap.scene, placed, 1);
-  const PairCount others = heap.scene.visit_candidates(placed, 1, is_other, {.filter = is_other});
+  const PairCount others = heap.scene.visit_candidates(placed, 1, is_other, is_other);
   EXPECT_TRUE(others.is_complete && others.count + 1 == all.size() && std::count(all.begin(), all.end(), 0U) == 1);
   const double truth = heap.scene.closest_object(placed, {.filter = is_other}).result.upper;
   const std::atomic<bool> cancel = true;
   const ClosestObjectResult cut =
-      heap.scene.closest_object(placed, {.filter = is_other, .budget = {.cancel = &cancel}});
+      heap.scene.closest_object(placed, {.distance = {.budget = {.cancel = &cancel}}, .filter = is_other});
   EXPECT_TRUE(cut.result.lower <= truth && truth <= cut.result.upper && cut.object != no_id);
   EXPECT_EQ(cut.result.stopped_by, cut.result.upper > 0 ? StoppedBy::cancel : StoppedBy::nothing);
 }

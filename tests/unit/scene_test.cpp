@@ -10,7 +10,6 @@
 #include <cfenv>
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -26,13 +25,14 @@ namespace {
 bool is_before(const ObjectPair& s, const ObjectPair& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; }
 
 /// The candidate pairs in the order in which they are found.
-std::vector<ObjectPair> pairs_of(const limber::Scene& scene, double margin, const ObjectPairOptions& options = {}) {
+std::vector<ObjectPair> pairs_of(const limber::Scene& scene, double margin,
+                                 std::optional<ObjectPairFilter> filter = std::nullopt) {
   std::vector<ObjectPair> pairs;
   const auto add = [&](const ObjectPair& pair) {
     pairs.push_back(pair);
     return true;
   };
-  const PairCount count = scene.visit_candidate_pairs(margin, add, options);
+  const PairCount count = scene.visit_candidate_pairs(margin, add, filter);
   EXPECT_EQ(count.count, pairs.size());
   EXPECT_TRUE(count.is_complete);
   return pairs;
@@ -124,10 +124,9 @@ TEST(SceneTest, LeavesOutWhatTheFilterDoesNotLetThrough) {
     EXPECT_LT(a, b);
     return a % 2 == b % 2;
   };
-  EXPECT_EQ(sorted(pairs_of(scene, 0.1, {.filter = same_parity})),
-            (std::vector<ObjectPair>{{0, 2}, {1, 3}, {2, 4}, {3, 5}}));
+  EXPECT_EQ(sorted(pairs_of(scene, 0.1, same_parity)), (std::vector<ObjectPair>{{0, 2}, {1, 3}, {2, 4}, {3, 5}}));
   const auto none = [](ObjectId, ObjectId) { return false; };
-  EXPECT_TRUE(pairs_of(scene, 0.1, {.filter = none}).empty());
+  EXPECT_TRUE(pairs_of(scene, 0.1, none).empty());
   EXPECT_EQ(scene.closest_objects({.filter = none}).result.status, DistanceStatus::beyond_limit);
   const auto ends = [](ObjectId a, ObjectId b) { return a == 0 && b == 5; };
   const ClosestObjectsResult closest = scene.closest_objects({.filter = ends});
@@ -162,6 +161,7 @@ TEST(SceneTest, GivesIdsThatStayAndUsesThemAgain) {
   EXPECT_TRUE(pairs_of(scene, 1e9).empty());
 }
 
+// FCL #386, #40, Drake PR #10184: a pose is set, the box of the body is not, and the broad phase culls by the old one.
 TEST(SceneTest, FollowsPoses) {
   const Model ball(scenes::ball(16, 8));
   limber::Scene scene = row_of(ball, {0, 10, 20});
@@ -178,6 +178,8 @@ TEST(SceneTest, FollowsPoses) {
   EXPECT_NEAR(scene.bounding_box(1).low.x, 50, 1e-4);
 }
 
+// FCL #577: a body stretches, and the broad phase keeps its old box. PhysX #530: a mesh that was modified must be set
+// on its shape again.
 TEST(SceneTest, FollowsModelsThatAreCommittedRebuiltAndReset) {
   const Model ball(scenes::ball(8, 5));
   Model other(scenes::ball(8, 5), {.motion_margin = 0.5});
@@ -186,29 +188,23 @@ TEST(SceneTest, FollowsModelsThatAreCommittedRebuiltAndReset) {
   static_cast<void>(scene.add({other, at(10)}));
   scene.commit();
   EXPECT_TRUE(pairs_of(scene, 0).empty());
+  SceneCache cache;
   const auto move = [&](const Vec3& to) {
     const std::vector<VertexId> ids{3};
     other.move_vertices(ids, std::vector<Vec3>{to}).value();
     other.commit();
   };
   // A vertex comes close; by a step so small that nothing but the state of the model shows it; then it is home again.
-  const std::pair<std::function<void()>, std::size_t> changes[] = {{[&] {
-                                                                      move({-9.5, 0, 0});
-                                                                    },
-                                                                    1},
-                                                                   {[&] {
-                                                                      move({-9.5, 0, 0x1p-600});
-                                                                    },
-                                                                    1},
-                                                                   {[&] { other.rebuild(); }, 1},
-                                                                   {[&] { other.reset(scenes::ball(8, 5)); }, 0}};
-  for (const auto& [change, pairs] : changes) {
-    change();
+  for (int step = 0; step < 4; ++step) {
+    if (step < 2) move({-9.5, 0, step * 0x1p-600});
+    if (step == 2) other.rebuild();
+    if (step == 3) other.reset(scenes::ball(8, 5));
     EXPECT_FALSE(scene.is_committed());
     EXPECT_THROW(pairs_of(scene, 0), std::invalid_argument);
     scene.commit();
     EXPECT_TRUE(scene.is_committed());
-    EXPECT_EQ(pairs_of(scene, 0).size(), pairs);
+    EXPECT_EQ(pairs_of(scene, 0).size(), step < 3 ? 1U : 0U);
+    EXPECT_EQ(scene.closest_objects({.cache = &cache}).result.upper, scene.closest_objects().result.upper);
   }
   // Another motion margin makes other bounds.
   other.set_motion_margin(2);
@@ -251,7 +247,7 @@ TEST(SceneTest, AnswersAsTwoModelsDo) {
   const DistanceOptions options{.relative_error = 0.01, .max_distance = 0.2};
   crowd.scene.collide(crowd.pairs, collisions);
   crowd.scene.within(crowd.pairs, 0.1, withins);
-  crowd.scene.distance(crowd.pairs, distances, {.relative_error = 0.01, .max_distance = 0.2});
+  crowd.scene.distance(crowd.pairs, distances, {.distance = {.relative_error = 0.01, .max_distance = 0.2}});
   for (std::size_t i = 0; i < crowd.pairs.size(); ++i) {
     const Placed &a = crowd.scene.object(crowd.pairs[i].a), &b = crowd.scene.object(crowd.pairs[i].b);
     ASSERT_TRUE(is_same(collisions[i], collide(a, b)));
@@ -281,7 +277,8 @@ TEST(SceneTest, AnswersAlikeOnAnyNumberOfThreads) {
       }
       crowd.scene.distance(crowd.pairs, results);
       const auto apart = [&](ObjectId a, ObjectId b) { return (a + b) % 3 == 0 && b - a > 40; };
-      const ClosestObjectsResult closest = crowd.scene.closest_objects({.relative_error = 0.1, .filter = apart});
+      const ClosestObjectsResult closest =
+          crowd.scene.closest_objects({.distance = {.relative_error = 0.1}, .filter = apart});
       if (threads == 1) first = results, first_closest = closest, cached = uppers;
       ASSERT_EQ(uppers, cached);
       ASSERT_EQ(closest.objects, first_closest.objects);
@@ -293,6 +290,8 @@ TEST(SceneTest, AnswersAlikeOnAnyNumberOfThreads) {
   }
 }
 
+// python-fcl #28: with managers of bodies, the points are not as far apart as the distance.
+// trimesh #1055: the distance is right, but the name of the mesh and the points are those of another pair.
 TEST(SceneTest, FindsTheClosestObjects) {
   Rng rng(8203);
   const Model ball(scenes::ball(3, 2)), shards(scenes::random_soup(rng, 5, 0.5));
@@ -316,13 +315,13 @@ TEST(SceneTest, FindsTheClosestObjects) {
     EXPECT_LE(closest_points(w.point_a, reference::place(twins[objects.a])[w.triangle_a]).distance, 1e-13);
     EXPECT_LE(closest_points(w.point_b, reference::place(twins[objects.b])[w.triangle_b]).distance, 1e-13);
     EXPECT_NEAR(length(w.point_b - w.point_a), truth, 1e-13);
-    const DistanceResult rough = scene.closest_objects({.relative_error = 0.2}).result;
+    const DistanceResult rough = scene.closest_objects({.distance = {.relative_error = 0.2}}).result;
     EXPECT_LE(rough.upper, 1.2 * truth + 1e-13);
     EXPECT_LE(rough.lower, truth + 1e-13);
     EXPECT_GE(rough.upper, truth - 1e-13);
     if (truth == 0) continue;
-    EXPECT_EQ(scene.closest_objects({.max_distance = truth * 1.01}).objects, objects);
-    const ClosestObjectsResult beyond = scene.closest_objects({.max_distance = truth * 0.99});
+    EXPECT_EQ(scene.closest_objects({.distance = {.max_distance = truth * 1.01}}).objects, objects);
+    const ClosestObjectsResult beyond = scene.closest_objects({.distance = {.max_distance = truth * 0.99}});
     EXPECT_EQ(beyond.result.status, DistanceStatus::beyond_limit);
     EXPECT_EQ(beyond.objects, ObjectPair{});
     EXPECT_EQ(beyond.result.lower, truth * 0.99);

@@ -163,7 +163,7 @@ TEST(Shadow, SparesDistancesWhereBodiesPassClosely) {
     limber::Scene scene;
     const ObjectId standing = scene.add(b);
     scene.commit();
-    const ObjectImpactResult swept = scene.time_of_impact(a, motion, {.distance_error = 1e-9});
+    const ObjectImpactResult swept = scene.time_of_impact(a, motion, {.path = {.distance_error = 1e-9}});
     EXPECT_EQ(swept.object == standing, touches.has_value());
     EXPECT_LT(swept.result.distance_count, most_distances);
   }

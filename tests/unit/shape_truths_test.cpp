@@ -68,7 +68,7 @@ TEST(ShapeTruths, TheRadiusOfTheBodyThatAsksAScene) {
   static_cast<void>(scene.add({small, at({0, 140, 0})}));
   scene.commit();
   for (const double limit : {std::numeric_limits<double>::infinity(), 10.0, 0.0}) {
-    const ClosestObjectResult closest = scene.closest_object(large, {.max_distance = limit});
+    const ClosestObjectResult closest = scene.closest_object(large, {.distance = {.max_distance = limit}});
     EXPECT_EQ(closest.object, met) << limit;
     EXPECT_EQ(closest.result.upper, 0) << limit;
   }

@@ -2,31 +2,8 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-#: bench [name]     run and plot benchmarks (thesis, the default) into bench/results/<machine>/
-#: bench peers [F]  compare with other libraries; F is a folder with stanford-bunny.obj and armadillo.obj
-#: bench mix [F]    a broad mix of scenes next to FCL and Coal, with all meshes of F that it knows; --poses N for other
-#:                  than 40 poses a situation, --scene PARTS... for scenes with one of these in their names
-#: bench against REV [F]  this revision next to another in one process: ratios of queries, updates and builds
-#: bench deadlines [F]  what queries know when their time is up, how late they are, how much work it takes to the end, and
-#:                  what a cache saves and costs
-#: bench spikes     what moves and commits take at worst while trees stay as good as new
-#: bench haptics    a force loop for a minute at 1 kHz and one at 5 kHz: times of ticks, missed ones, answers; --rates,
-#:                  --seconds, --tick-budget-us and --core change that
-#: bench deforming [F]  what keeping trees of deforming meshes up to date costs, next to other libraries
-#: bench contacts F  pairs of triangles that intersect or are close, and closest points, next to Embree, CGAL and
-#:                  libraries from PyPI, which go into a virtual environment below build/; F is a folder with
-#:                  cloth_ball_92.ply, cloth_ball_93.ply, stanford-bunny.obj and armadillo.obj. MeshLib takes part with
-#:                  LIMBER_WITH_MESHLIB=1 only: its license does not allow commercial use, and whoever installs it
-#:                  accepts that license
-#: bench motion F   how far moving meshes can go, next to the IPC Toolkit from PyPI; F is a folder with cloth_ball_92.ply,
-#:                  cloth_ball_93.ply, armadillo_rollers_326.ply and armadillo_rollers_327.ply
-#: bench shapes [F]  distances of shapes to a large mesh, next to closest points; F is a folder with stanford-bunny.obj
-#: bench scene      candidate pairs and queries of 2 000 moving bodies, next to FCL and Coal
-#: bench configurations  the closest links of two arms in 10 000 configurations, in Python, next to python-fcl
-#: bench threads [F]  how much faster what runs on several threads is, on 2, 4, 8, ... of them; F is a folder with
-#:                  cloth_ball_92.ply, cloth_ball_93.ply, stanford-bunny.obj and armadillo.obj
-#: bench solvers F  what solvers ask for, in one table: contacts of a heap of bodies on one thread and on two, and from
-#:                  bench contacts F and bench configurations self-intersections, elements and configurations
+#: bench [NAME]     run benchmarks, and keep their tables in bench/results/<machine>/; bench/README.md has the names
+
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 # processor KEY: a value of the first processor's entry in /proc/cpuinfo, if it has one.
@@ -42,6 +19,18 @@ machine() {
   printf '%s\n' "${name:-$(uname -m)}"
 }
 
+# The name that people know a server's processor by.
+known_as() {
+  case "$(processor 'cpu family') $(processor model)" in
+    '6 106') printf ', Ice Lake' ;;
+    '6 143') printf ', Sapphire Rapids' ;;
+    '6 207') printf ', Emerald Rapids' ;;
+    '25 1') printf ', Milan' ;;
+    '25 17') printf ', Genoa' ;;
+    '26 2') printf ', Turin' ;;
+  esac
+}
+
 # build_benches NAME...: builds these benchmarks, next to all libraries that are found.
 build_benches() {
   local coal
@@ -55,7 +44,8 @@ build_benches() {
 run_bench() {
   mkdir -p -- "$results"
   {
-    printf 'processor  %s, family %s, model %s\n' "$(processor 'model name')" "$(processor 'cpu family')" "$(processor model)"
+    printf 'processor  %s%s (family %s, model %s)\n' "$(processor 'model name')" "$(known_as)" "$(processor 'cpu family')" \
+      "$(processor model)"
     printf 'cores      %s visible, 1 used\n' "$jobs"
     cat -- "$root/build/bench/bench/compiler.txt"
   } >"$results/machine.txt"
@@ -66,6 +56,13 @@ run_bench() {
 # The options of a program for the folder of meshes that a verb was given, or not.
 meshes=()
 use_meshes() { if (($#)); then meshes=(--meshes "$1"); fi; }
+
+# simple LIST NAME [arguments]: a benchmark that is one program, which needs that list of packages besides.
+simple() {
+  need build io program "$1"
+  build_benches "$2"
+  run_bench "${@:2}"
+}
 
 # Debian's own interpreter: matplotlib comes from apt, and another python3 may stand before it on PATH.
 plot() { /usr/bin/python3 "$root/bench/plots/$1.py" "$results"; }
@@ -85,13 +82,6 @@ bench_peers() {
   run_bench peers "${meshes[@]}"
   plot plot_peers
   run_bench mix "${meshes[@]}"
-}
-
-bench_mix() {
-  use_meshes "$@"
-  need build io program peers
-  build_benches mix
-  run_bench mix "${meshes[@]}" "${@:2}"
 }
 
 # bench_against REV [folder of meshes]: builds that revision with its namespace renamed, so that both can be linked.
@@ -115,13 +105,6 @@ bench_against() {
   } | tee -- "$results/against.md"
 }
 
-bench_deforming() {
-  use_meshes "$@"
-  need build io program peers
-  build_benches deforming
-  run_bench deforming "${meshes[@]}"
-}
-
 bench_deadlines() {
   if (($# == 0)); then
     results=$root/build/bench/results
@@ -134,23 +117,11 @@ bench_deadlines() {
   run_bench caches "${meshes[@]}"
 }
 
-bench_spikes() {
-  need build io program
-  build_benches spikes
-  run_bench spikes "$@"
-}
-
-bench_haptics() {
-  need build io program
-  build_benches haptics
-  run_bench haptics "$@"
-}
-
 # bench_contacts FOLDER: other libraries first, then ours, which reads their times, their answers and their meshes.
 bench_contacts() {
   local answers=$root/build/contact_answers contacts=../bench/contacts peers=(ipctk coal fcpw trimesh) theirs=()
   local requirements=("$contacts/requirements.txt")
-  (($#)) || die "bench contacts: which folder has the meshes? See ./dev help"
+  (($#)) || die "bench contacts: which folder has the meshes?"
   if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then
     requirements+=("$contacts/requirements_meshlib.txt")
     peers=(meshlib "${peers[@]}")
@@ -171,7 +142,7 @@ bench_contacts() {
 
 bench_motion() {
   local theirs=()
-  (($#)) || die "bench motion: which folder has the meshes? See ./dev help"
+  (($#)) || die "bench motion: which folder has the meshes?"
   need build io program points
   build_benches motion
   if (python_environment peers ../bench/contacts/requirements.txt); then
@@ -185,19 +156,6 @@ bench_motion() {
   run_bench motion --meshes "$1" "${theirs[@]}" "${@:2}"
 }
 
-bench_shapes() {
-  use_meshes "$@"
-  need build io program
-  build_benches shapes
-  run_bench shapes "${meshes[@]}"
-}
-
-bench_scene() {
-  need build io program peers
-  build_benches scene
-  run_bench scene "$@"
-}
-
 bench_configurations() {
   need build io python
   tests_environment
@@ -207,20 +165,13 @@ bench_configurations() {
     "$root/bench/scene/configurations.py" --out "$results" "$@" </dev/null
 }
 
-bench_threads() {
-  use_meshes "$@"
-  need build io program
-  build_benches threads
-  run_bench threads "${meshes[@]}"
-}
-
 bench_solvers() {
-  (($#)) || die "bench solvers: which folder has the meshes? See ./dev help"
+  (($#)) || die "bench solvers: which folder has the meshes?"
   need build io program
   build_benches bodies
   run_bench bodies
   bench_contacts "$1"
-  bench_configurations
+  bench_configurations "${@:2}"
   python3 "$root/bench/solvers/table.py" "$results"
 }
 
@@ -228,23 +179,11 @@ name=${1:-thesis}
 results=$root/bench/results/$(machine)
 mkdir -p -- "$results"
 case $name in
-  thesis | all) bench_thesis ;;
-  peers) bench_peers "${@:2}" ;;
-  mix) bench_mix "${@:2}" ;;
-  deforming) bench_deforming "${@:2}" ;;
-  deadlines) bench_deadlines "${@:2}" ;;
-  spikes) bench_spikes "${@:2}" ;;
-  haptics) bench_haptics "${@:2}" ;;
-  against) bench_against "${@:2}" ;;
-  contacts) bench_contacts "${@:2}" ;;
-  motion) bench_motion "${@:2}" ;;
-  shapes) bench_shapes "${@:2}" ;;
-  scene) bench_scene "${@:2}" ;;
-  configurations) bench_configurations "${@:2}" ;;
-  threads) bench_threads "${@:2}" ;;
-  solvers) bench_solvers "${@:2}" ;;
-  *) die "no benchmark is called '$name'; there are:" \
-    "thesis, peers, mix, deforming, deadlines, spikes, haptics, against, contacts, motion, shapes, scene," \
-    "configurations, threads, solvers" ;;
+  thesis | peers | deadlines | against | contacts | motion | configurations | solvers) "bench_$name" "${@:2}" ;;
+  mix | deforming) use_meshes "${@:2}" && simple peers "$name" "${meshes[@]}" "${@:3}" ;;
+  threads) use_meshes "${@:2}" && simple io threads "${meshes[@]}" ;;
+  scene) simple peers scene "${@:2}" ;;
+  spikes | haptics | answers) simple io "$name" "${@:2}" ;;
+  *) die "no benchmark is called '$name'; bench/README.md has the names" ;;
 esac
 say "results are in $results"

@@ -180,7 +180,8 @@ on_emscripten() { NODE_PATH=/usr/share/nodejs${NODE_PATH:+:$NODE_PATH} CXX='' "$
 
 # compile_web PRESET: the JavaScript package, in build/PRESET/limber3d.
 compile_web() {
-  need build io web
+  need build web
+  rm -rf -- "$root/build/$1"/{limber3d/*.js,tests,examples}  # among them what the sources no longer have
   on_emscripten configure "$1"
   on_emscripten build "$1"
 }
@@ -202,6 +203,15 @@ build_package() {
   install_typescript "$1"
   rm -f -- limber3d/*.d.ts
   node_modules/.bin/tsc -p tsconfig.json
+}
+
+# block FILE LANGUAGE PATTERN: the first fenced code of that language after the first line that matches the pattern.
+block() {
+  awk -v language="$2" -v pattern="$3" '
+    !found && $0 ~ pattern { found = 1 }
+    found && !inside && $0 == "```" language { inside = 1; next }
+    inside && $0 == "```" { exit }
+    inside' "$root/$1"
 }
 
 # Our C++ files below the working directory, each ended by a zero byte. Needs no git.

@@ -8,8 +8,7 @@
 #: fuzz --replay FILE target  run one input, under the same limits
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
-# Every fuzz target: a folder of seeds each.
-fuzz_targets() { (cd -- "$root/fuzz/corpus" && printf '%s\n' *); }
+all_targets=(gltf model_operations moving_models obj off ply pose_csv stl triangle_pair)
 
 # fuzz_program TARGET [libFuzzer arguments]: what no input may exceed. The sanitizers' own memory counts too.
 fuzz_program() {
@@ -30,12 +29,18 @@ fuzz_one() {
     say "fuzz: $target FAILED on a committed regression; the log is $folder/regression.log"
     return 1
   fi
-  if [[ -e $root/fuzz/dictionaries/$target.dict ]]; then options+=(-dict="$root/fuzz/dictionaries/$target.dict"); fi
+  if [[ -d $root/fuzz/corpus/$target ]]; then cp -- "$root/fuzz/corpus/$target"/* "$folder/corpus"; fi
+  if [[ -e $root/fuzz/dictionaries/$target.dict ]]; then
+    options+=(-dict="$root/fuzz/dictionaries/$target.dict")
+  else  # inputs that nobody has chosen, but long enough to mean something
+    python3 - "$folder/corpus" <<<'import random, sys
+for i in range(40): open(f"{sys.argv[1]}/random_{i}", "wb").write(random.Random(i).randbytes(500))'
+  fi
   # Where changes are judged, the same inputs come in the same order; elsewhere each run tries others.
   if [[ -n ${CI:-} ]]; then options+=(-seed=1); fi
   # Inputs of the binary targets have no meaning when they are short, so their length is not to grow by and by.
   fuzz_program "$target" -max_total_time="$seconds" -max_len=2000 -len_control=0 "${options[@]}" \
-    -artifact_prefix="$folder/artifacts/" "$folder/corpus" "$root/fuzz/corpus/$target" >"$folder/log" 2>&1 || status=$?
+    -artifact_prefix="$folder/artifacts/" "$folder/corpus" >"$folder/log" 2>&1 || status=$?
   if ((status == 0)); then
     say "fuzz: $target ok, $(sed -n 's/^Done \([0-9]* runs\).*/\1/p' "$folder/log")"
     return 0
@@ -61,13 +66,13 @@ while (($#)); do
 done
 [[ $seconds =~ ^[1-9][0-9]*$ ]] || die "'$seconds' is not a number of seconds"
 for target in "${targets[@]}"; do
-  [[ -d $root/fuzz/corpus/$target ]] || die "no fuzz target is called '$target'; there are: $(fuzz_targets | xargs)"
+  [[ " ${all_targets[*]} " == *" $target "* ]] || die "no fuzz target is called '$target'; there are: ${all_targets[*]}"
 done
 if [[ -n $replay ]]; then
   ((${#targets[@]} == 1)) || die "name the target to replay '$replay' with"
   [[ -r $replay ]] || die "cannot read '$replay'"
 elif ((${#targets[@]} == 0)); then
-  readarray -t targets < <(fuzz_targets)
+  targets=("${all_targets[@]}")
 fi
 need build io fuzz
 configure fuzz "${options[@]}"

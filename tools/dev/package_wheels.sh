@@ -4,8 +4,7 @@
 
 # Wheels that run wherever glibc is 2.28 or newer, with all libraries inside, and the archive of sources. Zig's Clang
 # compiles for that glibc and links its C++ library statically. One wheel is for CPython 3.12 and all later ones, and
-# comes with one for 64-bit ARM and one for musl; the others are for one version each. Versions may be named; all are
-# made if none is.
+# comes with one for 64-bit ARM; the others are for one version each. Versions may be named; all are made if none is.
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 source "$root/tools/dev/roots.sh"
 
@@ -32,25 +31,11 @@ prepare() {
   mkdir -p -- "$sources/boost/include"
   ln -sfn -- /usr/include/boost "$sources/boost/include/boost"
   local target
-  for target in x86_64-linux-gnu.2.28 aarch64-linux-gnu.2.28 x86_64-linux-musl; do
+  for target in x86_64-linux-gnu.2.28 aarch64-linux-gnu.2.28; do
     printf '#!/bin/sh\nexec "%s/zig" c++ -target %s "$@"\n' \
       "$("$tools/python" -c 'import ziglang; print(ziglang.__path__[0])')" "$target" >"$tools/c++-${target%.2.28}"
     chmod +x -- "$tools/c++-${target%.2.28}"
   done
-}
-
-# name_libc WHEEL: renames the C library that the module needs from libc.so, as Zig calls it, to the name by which auditwheel
-# recognizes musl.
-name_libc() {
-  PATH=$tools:$PATH python - "$1" <<'END'
-import subprocess, sys
-from pathlib import Path
-from auditwheel.wheeltools import InWheelCtx
-
-with InWheelCtx(wheel := Path(sys.argv[1]), wheel):
-    [module] = Path("limber3d").glob("_core*.so")
-    subprocess.run(["patchelf", "--replace-needed", "libc.so", "libc.musl-x86_64.so.1", module], check=True)
-END
 }
 
 # wheel VERSION TARGET [PLATFORM]: PLATFORM is a tag for auditwheel, which takes only tags of the machine that it runs on;
@@ -66,11 +51,9 @@ wheel() {
   for name in HWY=highway TBB=onetbb NLOHMANN_JSON=nlohmann-json3 BOOST=boost BOOSTCONFIG=boost; do
     settings+=("cmake.define.FETCHCONTENT_SOURCE_DIR_${name%=*}=$sources/${name#*=}")
   done
-  # With glibc the system's library unwinds stacks, not Zig's own: pthread_exit(), by which CPython before 3.14 ends
+  # The system's library unwinds stacks, not Zig's own: pthread_exit(), by which CPython before 3.14 ends
   # daemon threads, gives the module the system's record of a stack, and the two libraries do not read each other's.
-  if [[ $2 == *-gnu ]]; then
-    settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$("$2-gcc" -print-file-name=libgcc_s.so.1)")
-  fi
+  settings+=("cmake.define.CMAKE_MODULE_LINKER_FLAGS=$("$2-gcc" -print-file-name=libgcc_s.so.1)")
   PATH=$(interpreter "$1"):$PATH python_environment "wheel_python-$1" requirements_build.txt
   say "building the wheel of CPython $1 for $2; its log is ${log#"$root/"}"
   # Boost 1.74 derives from a class that this C++ library has no longer; nanobind counts on a header that it does not bring.
@@ -81,7 +64,6 @@ wheel() {
     "$root/build/wheel_python-$1/bin/python" -m pip wheel -v --no-build-isolation --no-deps \
     "${settings[@]/#/--config-settings=}" \
     -w "$folder/plain-$1-$2" "$root" </dev/null >"$log" 2>&1 || die "$(tail -n 40 -- "$log")"
-  if [[ $2 == *-musl ]]; then name_libc "$folder/plain-$1-$2"/*.whl; fi
   PATH=$tools:$PATH auditwheel repair --plat "${3:-auto}" --only-plat -w "$folder" "$folder/plain-$1-$2"/*.whl </dev/null
 }
 
@@ -93,7 +75,7 @@ check() {
     [[ ! -e $file ]] || "$tools/abi3audit" --strict "$file"
   done
   for file in "$folder"/*.whl; do
-    [[ $("$tools/auditwheel" show "$file") =~ \"(manylinux_2_(17|2[0-8])|musllinux_1_2)_ ]] ||
+    [[ $("$tools/auditwheel" show "$file") =~ \"manylinux_2_(17|2[0-8])_ ]] ||
       die "auditwheel does not find $file to be what its name says"
     found=$(python3 -m zipfile -l "$file")
     [[ $found != *.libs/* ]] || die "$file has libraries beside the module"
@@ -150,45 +132,6 @@ try_arm() {
   say "the wheel answers on 64-bit ARM, on QEMU, with Debian's CPython 3.13: $found"
 }
 
-# A CPython for musl, from Debian's sources, as Debian has no such package. It is compiled without zlib, OpenSSL and
-# others, which Debian does not have for musl either. It takes some minutes.
-musl_python() {
-  local place=$root/build/musl_python
-  if [[ -x $place/bin/python3.13 ]]; then return 0; fi
-  need musl
-  say "compiling CPython for musl; the log is build/musl_python/log"
-  rm -rf -- "$place"
-  mkdir -p -- "$place/source"
-  curl -fsSL --retry 3 -o "$place/source.tar.xz" http://deb.debian.org/debian/pool/main/p/python3.13/python3.13_3.13.5.orig.tar.xz
-  sha256sum --check --quiet <<<"93e583f243454e6e9e4588ca2c2662206ad961659863277afcdb96801647d640  $place/source.tar.xz"
-  tar -xf "$place/source.tar.xz" --strip-components=1 -C "$place/source"
-  # musl-gcc answers --print-multiarch as GCC does, with the name of glibc's folder.
-  cat >"$place/cc" <<'END'
-#!/bin/sh
-[ "$1" != --print-multiarch ] || exec echo x86_64-linux-musl
-exec musl-gcc "$@"
-END
-  chmod +x -- "$place/cc"
-  (cd -- "$place/source" && ./configure CC="$place/cc" PKG_CONFIG=false OPT=-O1 --prefix="$place" --disable-test-modules \
-    --without-ensurepip --without-static-libpython && make -j "$jobs" && make install) </dev/null >"$place/log" 2>&1 ||
-    die "$(tail -n 20 -- "$place/log")"
-  rm -rf -- "$place"/source*
-}
-
-# The wheel for musl asks on that CPython and the musl of Debian 13: NumPy's wheel crashes on the musl of Debian 12.
-try_musl() {
-  local place=$root/build/roots/musl
-  musl_python
-  bare_root trixie musl musl
-  "$tools/python" -m pip install -q --find-links "$folder" --target "$place/root" --only-binary=:all: \
-    --platform musllinux_1_2_x86_64 --python-version 3.13 limber3d </dev/null
-  block README.md python '^## Python' >"$place/root/first.py"
-  mkdir -p -- "$place/$root/build"
-  cp -a -- "$root/build/musl_python" "$place/$root/build/"
-  expect_answer musl "$root/build/musl_python/bin/python3.13 first.py" "2.0 Witness"
-  say "the wheel answers on the musl of Debian 13, with a CPython 3.13 compiled for it"
-}
-
 # The archive of sources, with Debian's libraries.
 try_sources() {
   bare_root bookworm sdist python3-venv python3-dev g++ cmake ninja-build libhwy-dev libtbb-dev libboost-dev nlohmann-json3-dev
@@ -205,7 +148,6 @@ try_all() {
     try trixie 3.13
     try sid 3.14
     try_arm
-    try_musl
   fi
   try bookworm "$1"
 }
@@ -221,7 +163,6 @@ for python in "${pythons[@]}"; do
   wheel "$python" x86_64-linux-gnu manylinux_2_28_x86_64
   if [[ $python == 3.12 ]]; then
     wheel 3.12 aarch64-linux-gnu
-    wheel 3.12 x86_64-linux-musl
   fi
 done
 (cd -- "$root" && "$tools/python" -m build --sdist --outdir "$folder") </dev/null >"$folder/log-sdist" 2>&1 ||

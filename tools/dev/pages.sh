@@ -3,9 +3,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
 #: pages            build the viewer, the page of `limber distance --report`, `limber track --report` and `limber demo`,
-#:                  from clients/pages, with npm
-#: pages --check    type-check the sources, and compare the committed viewer with what its sources give
-#: pages test       test pages that the program writes, in a headless browser
+#:                  from clients/pages into build/pages, with npm
+#: pages test       check the sources, and test that page with data that the program writes, in a headless browser
+#: pages --commit   build it, and replace the committed page that the program is compiled with; for a release, or when
+#:                  the format of the data has changed
 #: pages pictures   make the pictures of these pages in the README and in docs/guide
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
@@ -28,7 +29,7 @@ run_script() {
 
 script=${*:-build}
 case $script in
-  build | --check) run_script "${script#--}" ;;
+  build | --commit) run_script "${script#--}" ;;
   test | pictures)
     need_for_tests pages_tests
     # Pages of pictures show times; those of tests come from the program that the tests have built.

@@ -131,7 +131,7 @@ compile() {
 }
 
 # Questions whose answers do not depend on the functions of a C library that round in their own ways.
-spot=tests/data/spot.obj
+spot=tests/data/spot.ply
 questions="
 info $spot
 self $spot --margin 0.004

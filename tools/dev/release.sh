@@ -27,13 +27,16 @@ try_readme() {
   expect_answer release "python3 -m venv env && . env/bin/activate && cd $name && pip install . && python ../first.py" "2.0 Witness"
   block docs/guide/install.md cmake 'A project of yours' >"$place/CMakeLists.txt"
   mv -- "$place/$name/main.cpp" "$place/main.cpp"
-  cp -- "$root/tests/data/spot.obj" "$place/cloth.obj"
-  cp -- "$root/tests/data/spot.obj" "$place/body.obj"
+  printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' '0 0 1' | tee -- "$place/cloth.obj" >"$place/body.obj"
+  printf 'f %s\n' '1 3 2' '1 2 4' '2 3 4' '3 1 4' | tee -a -- "$place/cloth.obj" >>"$place/body.obj"
   expect_answer release "cmake -S . -B app -DCMAKE_PREFIX_PATH=/root/limber && cmake --build app && app/app" 'frame 3'
 }
 
 check_versions
 [[ -z $(git -C "$root" status --porcelain) ]] || die "a release is of what is committed"
+"$root/dev" pages
+cmp -s -- "$root"/build/pages/viewer.html "$root"/clients/program/pages/viewer.html ||
+  die "a release has the page that clients/pages gives: run ./dev pages --commit"
 rm -rf -- "$folder"
 mkdir -p -- "$folder"
 copy_sources "$folder/$name"

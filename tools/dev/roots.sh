@@ -103,12 +103,3 @@ expect_answer() {
     grep -F -- "$text" <<<"$found" || die "build/roots/$1 gave no '$text': $(tail -n 20 <<<"$found")"
   done
 }
-
-# block FILE LANGUAGE PATTERN: the first fenced code of that language after the first line that matches the pattern.
-block() {
-  awk -v language="$2" -v pattern="$3" '
-    !found && $0 ~ pattern { found = 1 }
-    found && !inside && $0 == "```" language { inside = 1; next }
-    inside && $0 == "```" { exit }
-    inside' "$root/$1"
-}

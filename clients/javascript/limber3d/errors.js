@@ -4,31 +4,19 @@
 /**
  * What was wrong: the codes of C++, and those for mistakes of the caller.
  *
- * @typedef {typeof codesOfResults[number] | typeof otherCodes[number] | "disposed" | "busy" | "notInitialized"}
- *   ErrorCode
+ * @typedef {typeof codesOfResults[number] | typeof otherCodes[number] | "disposed" | "notInitialized"} ErrorCode
  */
 
 /** In the order of limber::ErrorCode. */
-const codesOfResults = /** @type {const} */ ([
-  "emptyMesh",
-  "nonFinite",
-  "tooLarge",
-  "indexOutOfRange",
-  "sizeMismatch",
-  "notRigid",
-  "unreadableFile",
-  "malformedFile",
-  "unsupportedFormat",
-  "changedConnectivity",
-  "brokenInvariant",
-  "notClosed",
-]);
+const codesOfResults = /** @type {const} */ (["emptyMesh", "nonFinite", "tooLarge", "indexOutOfRange", "sizeMismatch",
+  "notRigid", "unreadableFile", "malformedFile", "unsupportedFormat", "changedConnectivity", "brokenInvariant",
+  "notClosed"]);
 
 /** Numbers of clients/javascript/src/bindings.cpp beyond those of limber::ErrorCode. */
 const firstOtherCode = 100;
-const otherCodes = /** @type {const} */ (["invalidArgument", "outOfMemory", "other", "other"]);
+const otherCodes = /** @type {const} */ (["invalidArgument", "outOfMemory", "other"]);
 
-/** Whatever this package throws, but for errors that filters throw. */
+/** Whatever this package throws. */
 export class LimberError extends Error {
   /**
    * @param {ErrorCode} code
@@ -51,18 +39,7 @@ export class LimberError extends Error {
  * @param {number} number
  * @returns {ErrorCode}
  */
-export function codeOf(number) {
-  return codesOfResults[number] ?? otherCodes[number - firstOtherCode] ?? "other";
-}
+export const codeOf = (number) => codesOfResults[number] ?? otherCodes[number - firstOtherCode] ?? "other";
 
-/** The number that says that a filter has thrown. */
-export const filterHasThrown = firstOtherCode + 2;
-
-/**
- * The error for an argument that is not what its comment says. Private to the package.
- *
- * @param {string} message
- */
-export function invalid(message) {
-  return new LimberError("invalidArgument", `limber3d: ${message}`);
-}
+/** The error for an argument that is not what its comment says. @param {string} message */
+export const invalid = (message) => new LimberError("invalidArgument", `limber3d: ${message}`);

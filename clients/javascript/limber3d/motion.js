@@ -1,25 +1,16 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// When models whose vertices move touch first, and what touches.
+// When models whose vertices move, and rigid bodies, touch first. Time goes from 0, the start, to 1, the end.
 
-import { checkNames, coordinatesOf, flagOf, numberOf } from "./arrays.js";
-import { elementImpactOptions, impactStatuses, timesOf } from "./elements.js";
+import { impactResult, rigidImpactResult } from "./answers.js";
+import { checkNames, coordinatesOf, flagOf, limitsOf, none, numberOf, pointOf } from "./arguments.js";
+import { poseOf, writePose } from "./arguments.js";
+import { Model, Shape, bodyAddress, cacheAddress, countOf, modelAddress } from "./bodies.js";
 import { invalid } from "./errors.js";
-import { checkIndex, columnsOfLast, each, noId } from "./many.js";
-import { Model, addressOf } from "./model.js";
-import { pathImpact } from "./path.js";
-import { poseOf, writePose } from "./poses.js";
-import { limitsOf, stats, stoppedBy, witness } from "./queries.js";
-import { Shape } from "./shapes.js";
-import { Owner, check, engine, number, ownedAddress, point, word, writeInput } from "./wasm.js";
-/** @import { Coordinates, Point } from "./arrays.js" */
-/** @import { CountOptions } from "./contacts.js" */
-/** @import { ElementImpact, ElementImpactOptions, ImpactStatus } from "./elements.js" */
-/** @import { PathImpact, PathImpactOptions } from "./path.js" */
-/** @import { Pose } from "./poses.js" */
-/** @import { QueryBudget, QueryStats, StoppedBy, Witness } from "./queries.js" */
-/** @import { Body } from "./shapes.js" */
+import { Owner, check, engine, givenBytes, ownedAddress, writeInput } from "./wasm.js";
+/** @import { Body, Coordinates, ImpactOptions, ImpactResult, Pose, RigidImpactOptions } from "./types.js" */
+/** @import { RigidImpactResult, Vector } from "./types.js" */
 
 /**
  * A model in one step of time: each vertex moves on a straight line at constant speed, from its committed position,
@@ -38,7 +29,7 @@ export class MovingModel extends Owner {
    * @param {Model} model
    */
   constructor(model) {
-    super(engine().newMovingModel(addressOf(model)), "deleteMovingModel");
+    super(engine().newMovingModel(modelAddress(model)));
     this.#model = model;
   }
 
@@ -55,156 +46,88 @@ export class MovingModel extends Owner {
    * @param {Coordinates} endPositions in the model's own frame, of every vertex
    * @param {{ startPose?: Pose | null, endPose?: Pose | null }} [options]
    */
-  setMotion(endPositions, options = {}) {
+  setMotion(endPositions, options = none) {
     checkNames(options, ["startPose", "endPose"]);
     const startPose = poseOf(options.startPose, "startPose"), endPose = poseOf(options.endPose, "endPose");
-    const coordinates = coordinatesOf(endPositions, "endPositions"), count = coordinates.length / 3;
+    const coordinates = coordinatesOf(endPositions, "endPositions");
     const address = movingAddress(this, "moving model");
     const forms = [writePose(startPose, 0), writePose(endPose, 1)];
     writeInput(coordinates);
-    check(engine().setMotion(address, count, coordinates instanceof Float32Array ? 1 : 0, ...forms));
+    check(engine().setMotion(address, ...countOf(coordinates), ...forms));
   }
 }
 
-/**
- * @param {MovingModel} moving
- * @param {string} name of the argument
- */
+/** @param {MovingModel} moving @param {string} name of the argument */
 function movingAddress(moving, name) {
   if (!(moving instanceof MovingModel)) throw invalid(`${name} is no MovingModel`);
-  const address = ownedAddress(moving, name);
-  addressOf(moving.model, `the model of ${name}`);
-  return address;
+  modelAddress(moving.model, `the model of ${name}`);
+  return ownedAddress(moving, name);
 }
 
 /**
- * Two elements, the first of model a and the second of model b, or two of one model.
- *
- * - "vertexFace": a vertex of a and a face of b
- * - "faceVertex": a face of a and a vertex of b; never of one model
- * - "edgeEdge": two edges; of one model, the one of smaller id first
- *
- * @typedef {object} ElementPair
- * @property {"vertexFace" | "faceVertex" | "edgeEdge"} kind
- * @property {number} a a vertex, a triangle or an edge, see Model.edges()
- * @property {number} b
+ * The motion of a rigid body from one pose to another: a point of it, the center, moves straight at constant speed, and
+ * the body turns about it at constant rate about one axis, the shorter way round. dispose() frees its memory.
  */
-
-/** What the numbers in `kinds` of impacts stand for. @type {readonly ElementPair["kind"][]} */
-export const elementPairKinds = Object.freeze(["vertexFace", "faceVertex", "edgeEdge"]);
-
-/**
- * @typedef {object} NearerOptions
- * @property {number} [separationFraction] Elements that are nearer than minSeparation at the start may come as near as
- *   this fraction of their distance then; from 0 to below 1. With 0, the default, they touch at the start.
- */
-
-/** @typedef {ElementImpactOptions & NearerOptions} ImpactOptions */
-
-/**
- * @typedef {object} FirstImpactOptions
- * @property {boolean} [ignoreCrossings] Whether models that cross at the start may go on: only elements that touch
- *   count, a vertex and a face or two edges. Otherwise triangles that intersect at the start are an "initialContact".
- * @property {boolean} [anyContact] whether any contact up to maxTime will do, not the first one
- * @property {QueryBudget} [budget]
- */
-
-/**
- * When two models touch first.
- *
- * @typedef {object} ImpactResult
- * @property {ImpactStatus} status
- * @property {number} lower The first contact is between `lower` and `upper`, as in ElementImpact. With "undecided",
- *   none is before `lower`; if `upper` is finite, the elements touch by then.
- * @property {number} upper
- * @property {ElementPair | null} elements what touches; none if nothing does, or if triangles cross at the start
- * @property {Witness | null} witness the closest points of the elements at the time `upper`, in the world, and a
- *   triangle of each; or a point that two triangles share at the start; none if nothing touches
- * @property {Point} normal from a to b, of length 1; 0, 0, 0 where there is no such direction
- * @property {StoppedBy} stoppedBy something else than "nothing" exactly when the status is "undecided"
- * @property {QueryStats} stats primitiveTests counts the pairs of elements that may touch
- */
-
-/**
- * Two elements that touch, and when they do first.
- *
- * @typedef {object} Impact
- * @property {ElementPair} elements
- * @property {ElementImpact} time
- */
-
-/** Many impacts, one array for each of their numbers. */
-export class Impacts {
-  /** Private: made by queries, of what these have left in the module's memory. */
-  constructor() {
-    const n = word(2), next = columnsOfLast();
-    /** How many there are. */
-    this.count = n;
-    /** False if there may be more than maxCount. */
-    this.isComplete = word(3) !== 0;
-    this.lowers = next(Float64Array, n);
-    this.uppers = next(Float64Array, n);
-    /** Ids as in ElementPair. */
-    this.elementsA = next(Uint32Array, n);
-    this.elementsB = next(Uint32Array, n);
-    /** Indices of `elementPairKinds`. */
-    this.kinds = next(Uint8Array, n);
-    /** Indices of `impactStatuses`. */
-    this.statuses = next(Uint8Array, n);
-    /** @type {QueryStats} */
-    this.stats = stats(0);
+export class RigidMotion extends Owner {
+  /**
+   * Throws notRigid; invalidArgument unless the center is finite and at most 2 ** 200 in size.
+   *
+   * @param {Pose | null} [start]
+   * @param {Pose | null} [end] where it starts, if not given
+   * @param {Vector} [center] in the model's own frame; its origin, if not given
+   */
+  constructor(start, end, center = [0, 0, 0]) {
+    const first = poseOf(start, "start"), last = end === undefined ? first : poseOf(end, "end");
+    const [x, y, z] = pointOf(center, "center");
+    super(engine().newRigidMotion(writePose(first, 0), writePose(last, 1), x, y, z));
   }
 
   /**
-   * One impact as an object.
+   * The pose at a time, a 4 x 4 matrix by columns; exactly that of the start and of the end at 0 and 1. Throws
+   * invalidArgument unless the time is from 0 to 1.
    *
-   * @param {number} i
-   * @returns {Impact}
+   * @param {number} time
    */
-  at(i) {
-    checkIndex(i, this.count, "impact");
-    return {
-      elements: { kind: elementPairKinds[this.kinds[i]], a: this.elementsA[i], b: this.elementsB[i] },
-      time: { status: impactStatuses[this.statuses[i]], lower: this.lowers[i], upper: this.uppers[i] },
-    };
-  }
-
-  [Symbol.iterator]() {
-    return each(this);
+  at(time) {
+    check(engine().poseAt(ownedAddress(this, "motion"), numberOf(time, "time")));
+    return [...new Float64Array(givenBytes())];
   }
 }
 
-const impactOptions = [...elementImpactOptions, "separationFraction"];
+/** 0 stands for a body that stays where its model is. @param {RigidMotion | undefined} motion @param {string} name */
+function motionAddress(motion, name) {
+  if (motion === undefined) return 0;
+  if (!(motion instanceof RigidMotion)) throw invalid(`${name} is no RigidMotion`);
+  return ownedAddress(motion, name);
+}
 
-/** @param {ImpactOptions} options */
-const limitsInTimeOf = (options) => [
-  ...timesOf(options),
-  numberOf(options.separationFraction, "separationFraction", 0),
-];
+/** @param {Body} a @param {Body} b @param {RigidImpactOptions} options */
+function rigidTimeOfImpact(a, b, options) {
+  checkNames(options, ["motionA", "motionB", "maxTime", "minSeparation", "distanceError", "budget", "cache"]);
+  const { motionA, motionB, distanceError, budget, cache } = options, maxTime = numberOf(options.maxTime, "maxTime", 1);
+  const minSeparation = numberOf(options.minSeparation, "minSeparation", 0), limits = limitsOf(budget);
+  const error = [distanceError === undefined ? 0 : 1, numberOf(distanceError, "distanceError", 0)];
+  const first = [bodyAddress(a, "a"), motionAddress(motionA, "motionA")];
+  const second = [bodyAddress(b, "b"), motionAddress(motionB, "motionB")], kept = cacheAddress(cache);
+  check(engine().rigidTimeOfImpact(...first, ...second, maxTime, minSeparation, ...error, ...limits, kept));
+  return rigidImpactResult();
+}
 
-/**
- * The options of timeOfImpact() and selfTimeOfImpact(), as the module takes them.
- *
- * @param {ImpactOptions & FirstImpactOptions} options
- */
-function firstImpactOptions(options) {
-  checkNames(options, [...impactOptions, "ignoreCrossings", "anyContact", "budget"]);
+/** As the module takes them. @param {ImpactOptions} options */
+function impactOptions(options) {
+  checkNames(options, ["maxTime", "timeError", "minSeparation", "separationFraction", "ignoreCrossings", "anyContact",
+    "budget"]);
   const { ignoreCrossings, anyContact, budget } = options;
-  const flags = [flagOf(ignoreCrossings, "ignoreCrossings"), flagOf(anyContact, "anyContact")];
-  return [...limitsInTimeOf(options), ...flags, ...limitsOf(budget)];
+  return [
+    numberOf(options.maxTime, "maxTime", 1),
+    numberOf(options.timeError, "timeError", 0),
+    numberOf(options.minSeparation, "minSeparation", 0),
+    numberOf(options.separationFraction, "separationFraction", 0),
+    flagOf(ignoreCrossings, "ignoreCrossings"),
+    flagOf(anyContact, "anyContact"),
+    ...limitsOf(budget),
+  ];
 }
-
-/** @returns {ImpactResult} */
-const impactResult = () => ({
-  status: impactStatuses[word(2)],
-  lower: number(0),
-  upper: number(1),
-  elements: word(5) === noId ? null : { kind: elementPairKinds[word(4)], a: word(5), b: word(6) },
-  witness: witness(),
-  normal: point(10),
-  stoppedBy: stoppedBy(),
-  stats: stats(8),
-});
 
 /**
  * The first time at which two moving models touch.
@@ -218,7 +141,7 @@ const impactResult = () => ({
  * @overload
  * @param {MovingModel} a
  * @param {MovingModel} b
- * @param {ImpactOptions & FirstImpactOptions} [options]
+ * @param {ImpactOptions} [options]
  * @returns {ImpactResult}
  */
 /**
@@ -232,19 +155,18 @@ const impactResult = () => ({
  * @overload
  * @param {Body} a
  * @param {Body} b
- * @param {PathImpactOptions} [options]
- * @returns {PathImpact}
+ * @param {RigidImpactOptions} [options]
+ * @returns {RigidImpactResult}
  */
 /**
  * @param {MovingModel | Body} a
  * @param {MovingModel | Body} b
- * @param {ImpactOptions & FirstImpactOptions & PathImpactOptions} [options]
- * @returns {ImpactResult | PathImpact}
+ * @param {ImpactOptions & RigidImpactOptions} [options]
+ * @returns {ImpactResult | RigidImpactResult}
  */
-export function timeOfImpact(a, b, options = {}) {
-  if (a instanceof Model || a instanceof Shape) return pathImpact(a, /** @type {Body} */ (b), options);
-  const asked = firstImpactOptions(options);
-  const second = /** @type {MovingModel} */ (b);
+export function timeOfImpact(a, b, options = none) {
+  if (a instanceof Model || a instanceof Shape) return rigidTimeOfImpact(a, /** @type {Body} */ (b), options);
+  const asked = impactOptions(options), second = /** @type {MovingModel} */ (b);
   check(engine().timeOfImpact(movingAddress(a, "a"), movingAddress(second, "b"), ...asked));
   return impactResult();
 }
@@ -254,46 +176,10 @@ export function timeOfImpact(a, b, options = {}) {
  * at the start is what selfCollide() finds. All else as timeOfImpact().
  *
  * @param {MovingModel} model
- * @param {ImpactOptions & FirstImpactOptions} [options]
+ * @param {ImpactOptions} [options]
  */
-export function selfTimeOfImpact(model, options = {}) {
-  const asked = firstImpactOptions(options);
+export function selfTimeOfImpact(model, options = none) {
+  const asked = impactOptions(options);
   check(engine().timeOfImpact(movingAddress(model, "model"), 0, ...asked));
   return impactResult();
-}
-
-/**
- * The options of impacts() and selfImpacts(), as the module takes them.
- *
- * @param {ImpactOptions & CountOptions} options
- */
-function impactsOptions(options) {
-  checkNames(options, [...impactOptions, "maxCount"]);
-  return [...limitsInTimeOf(options), numberOf(options.maxCount, "maxCount", Infinity)];
-}
-
-/**
- * All pairs of elements that touch up to maxTime, each once, with the first time at which they do. Crossings do not
- * count. The order depends on the models and their history alone. Throws as timeOfImpact().
- *
- * @param {MovingModel} a
- * @param {MovingModel} b
- * @param {ImpactOptions & CountOptions} [options]
- */
-export function impacts(a, b, options = {}) {
-  const asked = impactsOptions(options);
-  check(engine().impacts(movingAddress(a, "a"), movingAddress(b, "b"), ...asked));
-  return new Impacts();
-}
-
-/**
- * The same of a moving model and itself, as selfTimeOfImpact().
- *
- * @param {MovingModel} model
- * @param {ImpactOptions & CountOptions} [options]
- */
-export function selfImpacts(model, options = {}) {
-  const asked = impactsOptions(options);
-  check(engine().impacts(movingAddress(model, "model"), 0, ...asked));
-  return new Impacts();
 }

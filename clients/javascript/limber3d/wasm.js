@@ -3,7 +3,7 @@
 
 // The WebAssembly module: how it is loaded, called and read. Private to the package, but for init().
 
-import { LimberError, codeOf, filterHasThrown, invalid } from "./errors.js";
+import { LimberError, codeOf, invalid } from "./errors.js";
 
 /**
  * What the module exports; see clients/javascript/src.
@@ -29,38 +29,31 @@ let float32 = new Float32Array(0);
 let uint32 = new Uint32Array(0);
 let uint8 = new Uint8Array(0);
 
-// limber::web::Exchange: 2 x 16 numbers of poses, 64 numbers and 32 words of results.
+// limber::web::Exchange: 2 x 16 numbers of poses, 8 numbers, and the table of one answer.
 const numbersOffset = 2 * 16 * 8;
-const wordsOffset = numbersOffset + 64 * 8;
+const answerOffset = numbersOffset + 8 * 8;
 
-/** @typedef {(a: number, b: number) => boolean} PairFilter */
-
-/** @type {PairFilter | undefined} */
-let filter;
-/** @type {unknown} */
-let thrownByFilter;
+/**
+ * The columns of each table, in order, as clients/javascript/src/tables.h lists them.
+ *
+ * @type {{ [table: string]: [name: string, kind: keyof typeof kinds, numbersPerAnswer: number][] }}
+ */
+let tables = {};
+const kinds = { Float64Array, Uint32Array, Uint8Array };
+/** Views of the tables of one answer, until memory grows. @type {{ [table: string]: any }} */
+let rows = {};
 
 function refreshViews() {
-  const { buffer } = module_().memory;
+  const { buffer } = engine().memory;
   float64 = new Float64Array(buffer);
   float32 = new Float32Array(buffer);
   uint32 = new Uint32Array(buffer);
   uint8 = new Uint8Array(buffer);
+  rows = {};
 }
 
 const imports = {
-  limber: {
-    now: () => performance.now(),
-    /** @type {(a: number, b: number) => number} */
-    filter(a, b) {
-      try {
-        return /** @type {PairFilter} */ (filter)(a >>> 0, b >>> 0) ? 1 : 0;
-      } catch (error) {
-        thrownByFilter = error;
-        return 2;
-      }
-    },
-  },
+  limber: { now: () => performance.now() },
   env: { emscripten_notify_memory_growth: refreshViews },
   wasi_snapshot_preview1: {
     /** @type {(status: number) => never} */
@@ -117,6 +110,8 @@ export function init(source) {
       loaded._initialize();
       refreshViews();
       exchange = loaded.exchange();
+      check(loaded.tables());
+      tables = JSON.parse(givenText());
     } catch (error) {
       loading = loaded = undefined;
       throw error;
@@ -125,19 +120,10 @@ export function init(source) {
   return loading;
 }
 
-function module_() {
+/** The functions of the module. @returns {Exports} */
+export function engine() {
   if (loaded === undefined) throw new LimberError("notInitialized", "limber3d: await init() comes first");
   return loaded;
-}
-
-/**
- * The functions of the module, unless a filter is running.
- *
- * @returns {Exports}
- */
-export function engine() {
-  if (filter !== undefined) throw new LimberError("busy", "limber3d: a filter may not call the library");
-  return loaded ?? module_();
 }
 
 /**
@@ -147,53 +133,50 @@ export function engine() {
  */
 export function check(succeeded) {
   if (succeeded !== 0) return;
-  const { errorCode, errorWhere, errorText, errorTextSize } = module_();
-  const code = errorCode();
-  if (code === filterHasThrown) {
-    const error = thrownByFilter;
-    thrownByFilter = undefined;
-    throw error;
-  }
-  const begin = errorText() >>> 0;
-  const text = new TextDecoder().decode(uint8.slice(begin, begin + errorTextSize()));
-  throw new LimberError(codeOf(code), text, errorWhere() < 0 ? undefined : errorWhere());
+  const { errorCode, errorWhere, errorText } = engine();
+  errorText();
+  throw new LimberError(codeOf(errorCode()), givenText(), errorWhere() < 0 ? undefined : errorWhere());
 }
 
-/**
- * Calls a function of the module while `wanted` answers for the pairs of triangles, or of objects.
- *
- * @param {PairFilter | undefined} wanted
- * @param {string} name
- * @param {...number} values
- */
-export function callWithFilter(wanted, name, ...values) {
-  const { [name]: called } = engine();
-  filter = wanted;
-  let succeeded;
-  try {
-    succeeded = called(...values);
-  } finally {
-    filter = undefined;
-  }
-  check(succeeded);
-}
+// --- reading ---
 
-// --- memory ---
-
-/** Number i of the last result. @param {number} i */
+/** Number i that the last call has given. @param {number} i */
 export const number = (i) => float64[((exchange + numbersOffset) >>> 3) + i];
 
-/** Word i of the last result. @param {number} i */
-export const word = (i) => uint32[((exchange + wordsOffset) >>> 2) + i];
+/** A copy of the bytes that the last call has given. */
+export const givenBytes = () => uint8.slice(number(0), number(0) + number(1)).buffer;
 
-/** Point i of the last result. @param {number} i @returns {[number, number, number]} */
-export function point(i) {
-  const at = ((exchange + numbersOffset) >>> 3) + i;
-  return [float64[at], float64[at + 1], float64[at + 2]];
-}
+const givenText = () => new TextDecoder().decode(givenBytes());
 
 /**
- * Writes the numbers of the first or second pose, unless a filter is running.
+ * Adds the arrays of a table to an object, under their names.
+ *
+ * @param {any} object
+ * @param {string} table
+ * @param {number} count of answers
+ * @param {ArrayBuffer} buffer
+ * @param {number} begin
+ */
+function addArrays(object, table, count, buffer, begin) {
+  let at = begin;
+  for (const [name, kind, numbersPerAnswer] of tables[table]) {
+    const array = new kinds[kind](buffer, at, numbersPerAnswer * count);
+    object[name] = array;
+    at += 8 * Math.ceil(array.byteLength / 8);
+  }
+  return object;
+}
+
+/** The last answer, as arrays in the module's memory that the next call changes. @param {string} table */
+export const row = (table) => (rows[table] ??= addArrays({}, table, 1, float64.buffer, exchange + answerOffset));
+
+/** Adds a copy of the last answers to an object. @param {object} object @param {string} table @param {number} count */
+export const addColumns = (object, table, count) => addArrays(object, table, count, givenBytes(), 0);
+
+// --- writing ---
+
+/**
+ * Writes the numbers of the first or second pose.
  *
  * @param {number} which
  * @param {readonly number[]} values
@@ -204,11 +187,8 @@ export function writePoseNumbers(which, values) {
   for (let i = 0; i < values.length; ++i) float64[at + i] = values[i];
 }
 
-/** A copy of bytes of the module's memory. @param {number} begin @param {number} bytes */
-export const copyOf = (begin, bytes) => uint8.slice(begin, begin + bytes).buffer;
-
 /**
- * Makes room for arrays that the next call reads, unless a filter is running; returns the address.
+ * Makes room for arrays that the next call reads; returns the address.
  *
  * @param {number} bytes
  */
@@ -227,48 +207,21 @@ function reserveInput(bytes) {
 }
 
 /**
- * Writes coordinates, then ids or bytes, for the next call.
+ * Writes numbers, then ids, for the next call.
  *
- * @param {Float32Array | Float64Array} coordinates
- * @param {Uint32Array | Uint16Array | Int32Array} [ids]
+ * @param {Float32Array | Float64Array} numbers
+ * @param {Uint32Array | Uint16Array} [ids]
  */
-export function writeInput(coordinates, ids) {
-  const at = reserveInput(coordinates.byteLength + (ids === undefined ? 0 : 4 * ids.length));
-  if (coordinates instanceof Float32Array) float32.set(coordinates, at >>> 2);
-  else float64.set(coordinates, at >>> 3);
-  if (ids !== undefined) uint32.set(ids, (at + coordinates.byteLength) >>> 2);
-}
-
-/**
- * Writes ids, then other ids, for the next call.
- *
- * @param {Uint32Array | Uint16Array} first
- * @param {Uint32Array | Uint16Array} [second]
- */
-export function writeIds(first, second) {
-  const at = reserveInput(4 * (first.length + (second?.length ?? 0)));
-  uint32.set(first, at >>> 2);
-  if (second !== undefined) uint32.set(second, (at >>> 2) + first.length);
-}
-
-/**
- * Writes bytes, then other bytes, for the next call.
- *
- * @param {Uint8Array} first
- * @param {Uint8Array} second
- */
-export function writeBytes(first, second) {
-  const at = reserveInput(first.length + second.length);
-  uint8.set(first, at);
-  uint8.set(second, at + first.length);
+export function writeInput(numbers, ids) {
+  const at = reserveInput(numbers.byteLength + (ids === undefined ? 0 : 4 * ids.length));
+  if (numbers instanceof Float32Array) float32.set(numbers, at >>> 2);
+  else float64.set(numbers, at >>> 3);
+  if (ids !== undefined) uint32.set(ids, (at + numbers.byteLength) >>> 2);
 }
 
 // --- owners of objects in the module ---
 
-const registry = new FinalizationRegistry(
-  /** @param {{ address: number, free: string }} held */
-  ({ address, free }) => loaded?.[free](address),
-);
+const registry = new FinalizationRegistry((/** @type {number} */ address) => loaded?.release(address));
 
 /**
  * Where the object of an argument of that name is in the module's memory.
@@ -281,25 +234,18 @@ export let ownedAddress;
 export class Owner {
   /** @type {number} */
   #address;
-  /** @type {string} */
-  #free;
 
-  /**
-   * @param {number} address 0 if the module could not make it
-   * @param {string} free the function that frees it
-   * @protected
-   */
-  constructor(address, free) {
+  /** @param {number} address 0 if the module could not make it @protected */
+  constructor(address) {
     if (address === 0) check(0);
     this.#address = address;
-    this.#free = free;
-    registry.register(this, { address, free }, this);
+    registry.register(this, address, this);
   }
 
   /** Frees the object's memory. Whatever is called with it afterwards throws; dispose() does nothing. */
   dispose() {
     if (this.#address === 0) return;
-    engine()[this.#free](this.#address);
+    engine().release(this.#address);
     registry.unregister(this);
     this.#address = 0;
   }

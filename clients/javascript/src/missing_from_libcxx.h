@@ -8,6 +8,7 @@
 #include <bit>
 #include <charconv>
 #include <cstddef>
+#include <cstdio>
 #include <memory>
 #include <type_traits>
 
@@ -27,13 +28,12 @@ unique_ptr<Array> make_unique_for_overwrite(size_t count) {
 }
 #endif
 
-#if _LIBCPP_VERSION < 20000
-from_chars_result from_chars(const char* first, const char* last, double& value);
-#endif
-
 #if _LIBCPP_VERSION < 14000
 /// Pre: the format is `general`.
-to_chars_result to_chars(char* first, char* last, double value, chars_format format, int precision);
+inline to_chars_result to_chars(char* first, char* last, double value, chars_format, int precision) {
+  const int size = snprintf(first, static_cast<size_t>(last - first), "%.*g", precision, value);
+  return size < last - first ? to_chars_result{first + size, {}} : to_chars_result{last, errc::value_too_large};
+}
 #endif
 
 }  // namespace std

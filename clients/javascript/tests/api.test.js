@@ -1,129 +1,77 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The JavaScript half: arguments, errors, poses, filters, budgets, memory.
+// Known answers of each function.
 import assert from "node:assert/strict";
 import { before, test } from "node:test";
 import * as limber from "limber3d";
-import { corners, faces, grid, refuses, tetrahedron } from "./support.js";
+import { corners, faces, grid, refuses, row, tetrahedron } from "./support.js";
+
+const { Shape } = limber;
 
 /** A sheet of n x n squares in the plane z = 0, over [0, 1] x [0, 1]. */
 const sheet = (n, options) => new limber.Model(...grid(n), options);
+const at = (...translation) => ({ poseB: { translation } });
+const near = (x, expected, error = 1e-12) => assert.ok(Math.abs(x - expected) <= error, `${x}, not ${expected}`);
 
 before(() => limber.init());
 
-test("arrays of every kind make the same model", () => {
+test("arrays of every kind make the same model, and are copied", () => {
   const kinds = [
     [corners, faces],
     [Float32Array.from(corners), Uint32Array.from(faces)],
     [Float64Array.from(corners), Int32Array.from(faces)],
-    [Float32Array.from(corners), Uint16Array.from(faces)],
+    [new Float32Array([9, 9, ...corners, 9]).subarray(2, 14), Uint16Array.from(faces)],
   ];
   for (const arrays of kinds) {
     const model = new limber.Model(...arrays);
+    if (!Array.isArray(arrays[0])) arrays.forEach((array) => array.fill(7));
+    model.vertices().fill(5);
     assert.deepEqual([...model.vertices()], corners);
-    assert.deepEqual([...model.faces()], faces);
-    assert.equal(model.vertexCount, 4);
-    assert.equal(model.triangleCount, 4);
+    assert.deepEqual([...model.edges()], [0, 1, 0, 2, 0, 3, 1, 2, 1, 3, 2, 3]);
   }
 });
 
-test("arrays are copied, whatever part of a buffer they are", () => {
-  const buffer = new Float32Array([9, 9, ...corners, 9]);
-  const model = new limber.Model(buffer.subarray(2, 14), faces);
-  buffer.fill(7);
-  assert.deepEqual([...model.vertices()], corners);
-  model.vertices().fill(5);
-  assert.deepEqual([...model.vertices()], corners);
-});
-
-test("meshes that are none are refused with code and place", () => {
-  refuses(() => new limber.Model([], []), "emptyMesh");
-  refuses(() => new limber.Model([0, 0], [0, 1, 2]), "sizeMismatch", "vertices has 2 numbers");
-  refuses(() => new limber.Model(corners, [0, 1]), "sizeMismatch", "faces has 2 ids");
-  refuses(() => new limber.Model(corners, [0, 1, 4]), "indexOutOfRange", "vertex 4");
-  refuses(() => new limber.Model(corners, [0, 1, -1]), "indexOutOfRange", "faces[2] is -1");
-  refuses(() => new limber.Model(corners, Int32Array.of(0, -1, 1)), "indexOutOfRange", "faces[1] is -1");
-  refuses(() => new limber.Model(corners, [0, 1, 1.5]), "indexOutOfRange", "faces[2] is 1.5");
-  refuses(() => new limber.Model([0, 0, 0, 1, 0, NaN, 0, 1, 0], [0, 1, 2]), "nonFinite");
-  refuses(() => new limber.Model([0, 0, 0, 1, 0, 1e300, 0, 1, 0], [0, 1, 2]), "tooLarge");
-  refuses(() => new limber.Model(new Uint8Array(9), [0, 1, 2]), "invalidArgument", "vertices");
-  refuses(() => new limber.Model("abc", [0, 1, 2]), "invalidArgument", "vertices");
-  refuses(() => new limber.Model(corners, new Float32Array(3)), "invalidArgument", "faces");
-  refuses(() => new limber.Model(corners), "invalidArgument", "faces");
-  try {
-    new limber.Model([0, 0, 0, 1, 0, Infinity, 0, 1, 0], [0, 1, 2]);
-  } catch (error) {
-    assert.equal(error.where, 1);
-    assert.equal(error.name, "LimberError");
-  }
-});
-
-test("options of a model are checked", () => {
-  for (const motionMargin of [-1, NaN, Infinity, "auto"]) {
-    refuses(() => sheet(2, { motionMargin }), "invalidArgument", "motionMargin");
-  }
-  refuses(() => sheet(2, { rebuildBudgetUs: -1 }), "invalidArgument", "rebuildBudgetUs");
-  refuses(() => sheet(2, { rebuildPolicy: "onWorker" }), "invalidArgument", "rebuildPolicy");
-  const model = sheet(4, { motionMargin: 0.25, preallocate: true });
-  assert.equal(model.maintenanceStats().motionMargin, 0.25);
-  refuses(() => model.setMotionMargin(-2), "invalidArgument", "motionMargin");
-  model.setMotionMargin(0.5);
-  assert.equal(model.maintenanceStats().motionMargin, 0.5);
-  refuses(() => model.setMotionMargin("automatic"), "invalidArgument", "motionMargin");
-});
-
-test("the rebuild policy reaches the engine", () => {
-  const rebuilt = (options) => {
+test("options of a model reach the engine, and change no answers", () => {
+  const work = (options) => {
     const model = sheet(40, options), vertices = model.vertices();
     for (let frame = 0; frame < 60; ++frame) {
       for (let i = 0; i < vertices.length; ++i) vertices[i] += 0.3 * Math.sin(i * (frame + 1));
       model.moveAll(vertices);
       model.commit();
     }
-    return model.maintenanceStats().rebuiltTriangles;
+    return limber.selfContacts(model, 0.001);
   };
-  assert.ok(rebuilt({}) > 0);
-  assert.equal(rebuilt({ rebuildPolicy: "off" }), 0);
-  assert.equal(rebuilt({ rebuildBudgetUs: 0 }), 0);
+  const usual = work({}), off = work({ rebuildPolicy: "off" });
+  const margin = work({ rebuildPolicy: "off", motionMargin: 9 });
+  assert.deepEqual([off.count, margin.count], [usual.count, usual.count]);
+  assert.ok(usual.stats.nodeTests < off.stats.nodeTests && off.stats.nodeTests < margin.stats.nodeTests);
 });
 
 test("moves mark, commit() repairs, queries in between are refused", () => {
   const model = sheet(8), other = tetrahedron();
-  assert.ok(model.isCommitted);
   model.moveVertices([40], [0.5, 0.5, 3]);
-  assert.ok(!model.isCommitted);
   for (const query of [
-    () => limber.distance(model, other),
-    () => limber.collide(other, model),
-    () => limber.within(model, other, 1),
-    () => limber.contacts(model, other, 1),
-    () => limber.selfCollide(model),
-    () => limber.closestPoint(model, [0, 0, 0]),
-    () => model.boundingBox(),
-    () => model.boundingSphere(),
-    () => model.nodeSpheres(0),
+    () => limber.distance(model, other), () => limber.collide(other, model), () => limber.within(model, other, 1),
+    () => limber.contacts(model, other, 1), () => limber.selfCollide(model), () => model.boundingBox(),
+    () => limber.closestPoint(model, [0, 0, 0]), () => limber.timeOfImpact(model, other),
+    () => new limber.Scene().add(model),
   ]) {
     refuses(query, "invalidArgument", "commit");
   }
   model.commit();
-  assert.ok(model.isCommitted);
-  assert.equal(model.boundingBox().high[2] >= 3, true);
-  model.validate();
-  refuses(() => model.moveVertices([81], [0, 0, 0]), "indexOutOfRange", "81");
-  refuses(() => model.moveVertices([0, 1], [0, 0, 0]), "sizeMismatch");
-  refuses(() => model.moveAll([0, 0, 0]), "sizeMismatch");
-  assert.ok(model.isCommitted);
+  const { low, high } = model.boundingBox();
+  assert.ok(high[2] >= 3 && high[2] < 3.01 && low[2] <= 0 && low[2] > -0.01 && high[0] < 1.01);
+  model.moveVertices([40], [0.5, 0.5, 2]);
   model.rebuild();
+  assert.equal(limber.closestPoint(model, [0.5, 0.5, 9]).closest.distance, 7);
 });
 
 test("poses of every form mean the same", () => {
-  const a = sheet(6), b = tetrahedron();
-  const half = Math.SQRT1_2;  // a quarter turn about z
-  const quaternion = [0, 0, half, half], translation = [0.3, 0.2, 0.4];
+  const a = sheet(6), b = tetrahedron(), half = Math.SQRT1_2;  // a quarter turn about z
+  const quaternion = [0, 0, half, half], translation = [0.3, 0.2, 0.4], [x, y, z] = translation;
   const matrix = [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, ...translation, 1];
   const rotation = [0, 1, 0, -1, 0, 0, 0, 0, 1];
-  const [x, y, z] = translation;
   const forms = [
     matrix,
     { elements: matrix },
@@ -131,7 +79,7 @@ test("poses of every form mean the same", () => {
     { rotation, translation },
     { rotation: { elements: rotation }, translation: { x, y, z } },
     { quaternion, translation },
-    { quaternion: { x: 0, y: 0, z: 2, w: 2 }, translation: Float32Array.of(x, y, z).map((v) => v) },
+    { quaternion: { x: 0, y: 0, z: 2, w: 2 }, translation: Float32Array.from(translation) },
   ];
   for (const [i, poseB] of forms.entries()) {
     const { lower, witness } = limber.distance(a, b, { poseB });
@@ -139,62 +87,25 @@ test("poses of every form mean the same", () => {
     assert.ok(witness.pointB[0] <= 0.3 + 1e-7 && witness.pointB[1] >= 0.2 - 1e-7, `form ${i}: ${witness.pointB}`);
     assert.equal(limber.distance(b, a, { poseA: poseB }).witness.pointA[2], witness.pointB[2]);
   }
-  assert.equal(limber.distance(a, b, { poseB: { translation: [0, 0, 2] } }).upper, 2);
   for (const poseB of [undefined, null]) assert.equal(limber.distance(a, b, { poseB }).upper, 0);
-  assert.equal(limber.distance(a, b, { poseA: { translation: [0, 0, 2] } }).witness.pointA[2], 2);
-});
-
-test("what is no pose is refused, naming the argument", () => {
-  const a = tetrahedron();
-  const scaled = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1];
-  const mirrored = [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-  refuses(() => limber.distance(a, a, { poseA: scaled }), "notRigid", "poseA");
-  refuses(() => limber.distance(a, a, { poseB: { elements: mirrored } }), "notRigid", "poseB");
-  refuses(() => limber.distance(a, a, { poseB: { translation: [0, NaN, 0] } }), "nonFinite", "poseB");
-  refuses(() => limber.distance(a, a, { poseB: { quaternion: [0, 0, 0, 0] } }), "nonFinite", "poseB");
-  refuses(() => limber.distance(a, a, { poseA: [1, 2, 3] }), "invalidArgument", "poseA");
-  refuses(() => limber.distance(a, a, { poseA: { rotation: scaled } }), "invalidArgument", "poseA.rotation");
-  refuses(() => limber.distance(a, a, { poseA: { quaternion: [0, 1] } }), "invalidArgument", "quaternion");
-  refuses(() => limber.distance(a, a, { poseA: {} }), "invalidArgument", "poseA");
-  refuses(() => limber.distance(a, a, { poseA: 7 }), "invalidArgument", "poseA");
-  refuses(() => limber.distance(a, a, { poseA: { translation: ["1", 0, 0] } }), "invalidArgument", "translation");
-  refuses(() => limber.distance(a, a, { poseA: Array(16).fill("1") }), "invalidArgument", "poseA");
-  refuses(() => limber.closestPoint(a, [0, 0, 0], { pose: scaled }), "notRigid", "pose: ");
-});
-
-test("orthonormalized() makes a rotation of float32 rigid", () => {
-  const a = tetrahedron(), angle = 0.7;
-  const rotation = Float32Array.of(Math.cos(angle), Math.sin(angle), 0, -Math.sin(angle), Math.cos(angle), 0, 0, 0, 1);
-  refuses(() => limber.distance(a, a, { poseB: { rotation } }), "notRigid");
-  const rigid = limber.orthonormalized(rotation);
-  for (let i = 0; i < 9; ++i) assert.ok(Math.abs(rigid[i] - rotation[i]) < 1e-6);
-  assert.equal(limber.collide(a, a, { poseB: { rotation: rigid } }).answer, "yes");
-  refuses(() => limber.orthonormalized([1, 0, 0, 0, 1, 0, 0, 0, -1]), "notRigid");
-  refuses(() => limber.orthonormalized([1, 0, 0]), "invalidArgument");
 });
 
 test("distances, errors and limits", () => {
   const a = sheet(30), b = tetrahedron(), poseB = { translation: [0.2, 0.3, 1.25] };
   const exact = limber.distance(a, b, { poseB });
-  assert.equal(exact.status, "exact");
-  assert.equal(exact.lower, 1.25);
-  assert.equal(exact.upper, 1.25);
-  assert.equal(exact.stoppedBy, "nothing");
+  assert.deepEqual([exact.status, exact.lower, exact.upper, exact.stoppedBy], ["exact", 1.25, 1.25, "nothing"]);
+  assert.deepEqual([exact.witness.pointA[2], exact.witness.pointB[2]], [0, 1.25]);
+  assert.ok(exact.witness.triangleA < 1800 && exact.witness.triangleB < 4);
   assert.ok(exact.stats.nodeTests > 0 && exact.stats.primitiveTests > 0);
   const { lower, upper } = limber.distance(a, b, { poseB, relativeError: 0.5 });
   assert.ok(lower <= 1.25 && upper >= 1.25 && upper <= 1.5 * 1.25);
   assert.ok(limber.distance(a, b, { poseB, absoluteError: 0.1 }).upper <= 1.35);
   const far = limber.distance(a, b, { poseB, maxDistance: 1 });
   assert.deepEqual([far.status, far.witness, far.upper], ["beyondLimit", null, Infinity]);
-  assert.ok(far.lower >= 1);
   const met = limber.distance(a, b);
   assert.deepEqual([met.status, met.lower, met.upper], ["collision", 0, 0]);
-  refuses(() => limber.distance(a, b, { relativeError: -1 }), "invalidArgument", "relative_error");
-  refuses(() => limber.distance(a, b, { relativeError: "much" }), "invalidArgument", "relativeError");
-  refuses(() => limber.distance(a, b, { maxDistance: NaN }), "invalidArgument", "max_distance");
-  refuses(() => limber.within(a, b), "invalidArgument", "maxDistance");
-  assert.deepEqual(limber.within(a, b, 1.3, { poseB }).answer, "yes");
-  assert.deepEqual(limber.within(a, b, 1.2, { poseB }).witness, null);
+  assert.equal(limber.within(a, b, 1.3, { poseB }).answer, "yes");
+  assert.equal(limber.within(a, b, 1.2, { poseB }).witness, null);
   const yes = limber.collide(a, b), no = limber.collide(a, b, { poseB });
   assert.deepEqual([yes.answer, yes.isYes, yes.isNo], ["yes", true, false]);
   assert.deepEqual([no.answer, no.isYes, no.isNo], ["no", false, true]);
@@ -202,9 +113,7 @@ test("distances, errors and limits", () => {
 
 test("budgets end queries, and caches go on", () => {
   const a = sheet(60), b = sheet(50), cache = new limber.QueryCache();
-  const vertices = b.vertices();
-  for (let i = 2; i < vertices.length; i += 3) vertices[i] = 0.1 + 0.01 * Math.sin(i);
-  b.moveAll(vertices);
+  b.moveAll(b.vertices().map((x, i) => (i % 3 === 2 ? 0.1 + 0.01 * Math.sin(i) : x)));
   b.commit();
   const exact = limber.distance(a, b).upper;
   const first = limber.distance(a, b, { budget: { maxSteps: 3 } });
@@ -220,89 +129,44 @@ test("budgets end queries, and caches go on", () => {
   const undecided = limber.within(a, b, 1.0001 * exact, { budget: { maxSteps: 1 } });
   assert.deepEqual([undecided.answer, undecided.stoppedBy, undecided.witness], ["undecided", "maxSteps", null]);
   assert.ok(!undecided.isYes && !undecided.isNo);
-  assert.deepEqual(limber.collide(a, b, { budget: {} }).answer, "no");
-  assert.deepEqual(limber.within(a, b, 1, { budget: {} }).answer, "yes");
-  for (const budget of [{ deadline: NaN }, { maxSteps: -1 }, { maxSteps: "x" }]) {
-    refuses(() => limber.distance(a, b, { budget }), "invalidArgument", "budget");
-  }
+  assert.equal(limber.collide(a, b, { budget: {} }).answer, "no");
 });
 
 test("a deadline is met", () => {
-  const a = sheet(120), vertices = a.vertices(), poseB = { translation: [0, 0, 0.4] };
-  for (let i = 2; i < vertices.length; i += 3) vertices[i] = 1e-9 * ((i * 7919) % 101);
-  a.moveAll(vertices);
+  const a = sheet(120), poseB = { translation: [0, 0, 0.4] };
+  a.moveAll(a.vertices().map((x, i) => (i % 3 === 2 ? 1e-9 * ((i * 7919) % 101) : x)));
   a.commit();
   const timed = (budget) => {  // everything is about as far as everything else
-    const start = performance.now();
-    return [limber.distance(a, a, { poseB, budget: budget(start) }).status, performance.now() - start];
+    const start = performance.now(), deadline = start + budget;
+    return [limber.distance(a, a, { poseB, budget: { deadline } }).status, performance.now() - start];
   };
-  const [status, whole] = timed(() => ({}));
-  assert.equal(status, "exact");
-  const [interrupted, took] = timed((start) => ({ deadline: start + whole / 20 }));
-  assert.equal(interrupted, "interrupted");
+  const [exact, whole] = timed(Infinity), [interrupted, took] = timed(whole / 20);
+  assert.deepEqual([exact, interrupted], ["exact", "interrupted"]);
   assert.ok(took >= whole / 20 && took < whole / 2, `${took} ms of ${whole}`);
 });
 
-test("contacts and pairs of triangles", () => {
+test("contacts are arrays, and records", () => {
   const a = sheet(10), b = tetrahedron(), poseB = { translation: [0.35, 0.35, -0.5] };
-  const pairs = limber.intersections(a, b, { poseB });
-  assert.equal(pairs.triangles.length, 2 * pairs.count);
-  assert.ok(pairs.count > 0 && pairs.isComplete);
-  const close = limber.contacts(a, b, 0.05, { poseB });
-  const meeting = [...close].filter((contact) => contact.distance === 0);
-  assert.equal(meeting.length, pairs.count);
-  assert.ok(close.count > pairs.count);
-  for (const { depth, distance, normal, triangleA, featureA } of close) {
+  const meeting = limber.contacts(a, b, 0, { poseB }), close = limber.contacts(a, b, 0.05, { poseB });
+  assert.ok(meeting.isComplete && meeting.count > 0 && close.count > meeting.count);
+  assert.equal([...close].filter((contact) => contact.distance === 0).length, meeting.count);
+  for (const { depth, distance, normal, triangleA, triangleB, featureA, pointA, pointB, weightsB } of close) {
     assert.ok(distance === 0 ? depth >= 0 : depth === 0);
-    assert.ok(Math.abs(Math.hypot(...normal) - 1) < 1e-12);
-    assert.ok(triangleA < a.triangleCount && ["vertex", "edge", "face"].includes(featureA.kind));
+    near(Math.hypot(...normal), 1);
+    normal.forEach((x, i) => near(pointB[i] - pointA[i], x * distance));
+    assert.ok(triangleA < 200 && triangleB < 4 && ["vertex", "edge", "face"].includes(featureA.kind));
+    const ids = faces.slice(3 * triangleB, 3 * triangleB + 3);
+    const weighted = (axis) => ids.reduce((sum, v, k) => sum + weightsB[k] * corners[3 * v + axis], 0);
+    pointB.forEach((x, i) => near(weighted(i) + poseB.translation[i], x));
   }
-  const some = limber.contacts(a, b, 0.05, { poseB, maxCount: 2 });
-  assert.deepEqual([some.count, some.isComplete], [2, false]);
-  assert.deepEqual(some.at(1), close.at(1));
-  for (const side of ["A", "B"]) {
-    const kind = limber.featureKinds[close[`features${side}`][2]], index = close[`features${side}`][3];
-    assert.deepEqual(close.at(1)[`feature${side}`], { kind, index });
-  }
-  assert.ok(close.isComplete && limber.intersections(a, b, { poseB, maxCount: pairs.count }).isComplete);
-  refuses(() => close.at(close.count), "invalidArgument");
-  for (const contact of limber.contacts(a, b, 0, { poseB, orientedFaces: "none" })) {
-    assert.equal(contact.normalSide, "unknown");
-  }
-  const ways = [...limber.contacts(a, b, 0, { poseB, orientedFaces: "both" })].map((contact) => contact.normalSide);
-  assert.ok(ways.includes("outward") && !ways.includes("inward"));
-  for (const orientedFaces of ["a", 1, null]) {
-    refuses(() => limber.contacts(a, b, 0, { orientedFaces }), "invalidArgument", "orientedFaces");
-  }
-  refuses(() => limber.contacts(a, b, -1), "invalidArgument", "margin");
-  const nearest = limber.closestPairs(a, b, 7, { poseB: { translation: [0, 0, 1] } });
-  assert.equal(nearest.count, 7);
-  assert.ok(nearest.distances.every((d, i) => i === 0 || d >= nearest.distances[i - 1]));
-  assert.equal(limber.closestPairs(b, b, 1e9).count, 16);
-  assert.equal(limber.closestPairs(a, b, 0).count, 0);
-  refuses(() => limber.closestPairs(a, b, NaN), "invalidArgument", "count");
-});
-
-test("filters decide which pairs count", () => {
-  const a = sheet(10), b = tetrahedron(), poseB = { translation: [0.35, 0.35, -0.5] };
-  const all = limber.intersections(a, b, { poseB }).count;
-  const ofFace3 = limber.intersections(a, b, { poseB, filter: (s, t) => t === 3 });
-  assert.ok(ofFace3.count > 0 && ofFace3.count < all);
-  assert.ok(ofFace3.triangles.every((id, i) => i % 2 === 0 || id === 3));
-  const mine = new Error("mine");
-  const throwing = () => {
-    throw mine;
-  };
-  assert.throws(() => limber.contacts(a, b, 1, { poseB, filter: throwing }), (error) => error === mine);
-  refuses(() => limber.contacts(a, b, 1, { filter: () => limber.collide(a, b) }), "busy", "filter");
-  refuses(() => limber.contacts(a, b, 1, { filter: () => a.dispose() }), "busy", "filter");
-  for (const filter of [3, new limber.NeighborRings(a, 0)]) {
-    refuses(() => limber.contacts(a, b, 1, { filter }), "invalidArgument", "filter");
-    refuses(() => limber.intersections(a, b, { filter }), "invalidArgument", "filter");
-    refuses(() => limber.closestPairs(a, b, 1, { filter }), "invalidArgument", "filter");
-  }
-  refuses(() => limber.selfContacts(a, 1, { filter: 3 }), "invalidArgument", "filter");
-  assert.equal(limber.intersections(a, b, { poseB }).count, all, "queries must work again after a filter has thrown");
+  const some = limber.contacts(a, b, 0.05, { poseB, maxCount: 2 }), second = close.at(1);
+  assert.deepEqual([some.count, some.isComplete, some.at(1)], [2, false, second]);
+  assert.deepEqual(second.featureA, { kind: limber.featureKinds[close.featuresA[2]], index: close.featuresA[3] });
+  assert.deepEqual([...close.weightsA.subarray(3, 6)], second.weightsA);
+  assert.ok(close.stats.primitiveTests >= close.count);
+  for (const wrong of [-1, close.count, 0.5, NaN]) refuses(() => close.at(wrong), "invalidArgument", "answer");
+  const sides = [...limber.contacts(b, b, 0, at(0.5, 0, 0))].map((contact) => contact.normalSide);
+  assert.ok(sides.includes("outward"));
 });
 
 test("queries of a model with itself", () => {
@@ -317,122 +181,180 @@ test("queries of a model with itself", () => {
   a.commit();
   assert.equal(limber.selfCollide(a, { cache: new limber.QueryCache() }).answer, "yes");
   assert.equal(limber.selfDistance(a).status, "collision");
-  const pairs = limber.selfIntersections(a), close = limber.selfContacts(a, 0.01);
-  assert.ok(pairs.count > 0 && close.count >= pairs.count);
-  const far = limber.selfContacts(a, 0.01, { filter: new limber.NeighborRings(a, 30) });
-  assert.equal(far.count, 0);
-  assert.equal(limber.selfClosestPairs(a, 3).count, 3);
-  refuses(() => new limber.NeighborRings(a, -1), "invalidArgument", "maxEdges");
+  const meeting = limber.selfContacts(a, 0), close = limber.selfContacts(a, 0.01);
+  assert.ok(meeting.count > 0 && close.count >= meeting.count);
+  assert.equal(limber.selfContacts(a, 0.01, { filter: new limber.NeighborRings(a, 30) }).count, 0);
+  assert.equal(limber.selfContacts(a, 0.01, { maxCount: 3 }).count, 3);
   const rings = new limber.NeighborRings(tetrahedron(), 0);
   refuses(() => limber.selfContacts(a, 0.01, { filter: rings }), "invalidArgument");
 });
 
 test("points", () => {
   const a = tetrahedron(), pose = { translation: [10, 0, 0] };
-  const { closest: near, stats } = limber.closestPoint(a, [10.25, 0.25, -2], { pose });
+  const { closest, stats } = limber.closestPoint(a, [10.25, 0.25, -2], { pose });
   assert.ok(stats.nodeTests === 0 && stats.primitiveTests > 0);
-  assert.deepEqual([near.distance, near.position, near.feature], [2, [10.25, 0.25, 0], { kind: "face", index: 0 }]);
-  assert.ok(Math.abs(near.weights.reduce((sum, weight) => sum + weight) - 1) < 1e-12);
+  assert.deepEqual([closest.distance, closest.position, closest.triangle], [2, [10.25, 0.25, 0], 0]);
+  assert.deepEqual(closest.feature, { kind: "face", index: 0 });
+  assert.deepEqual(closest.weights.map((x) => Math.round(1e9 * x)), [5e8, 25e7, 25e7]);
   assert.equal(limber.closestPoint(a, { x: 0, y: 0, z: 0 }, { pose, maxDistance: 1 }).closest, null);
   const many = limber.closestPointMany(a, Float32Array.of(0, 0, -3, 0.1, 0.1, 0.1), { maxDistance: 2 });
-  assert.ok(many instanceof limber.PointResults);
   assert.deepEqual([many.count, many.at(0).closest, many.distances[0]], [2, null, Infinity]);
   assert.deepEqual([many.triangles[0], limber.noId], [limber.noId, 0xffffffff]);
   assert.deepEqual([...many][1], many.at(1));
-  const { closest: second } = many.at(1), kind = limber.featureKinds.indexOf(second.feature.kind);
-  assert.ok(second.distance > 0 && many.at(1).stats.nodeTests === many.nodeTests[1] && many.primitiveTests[1] > 0);
-  assert.deepEqual([...many.features.subarray(2)], [kind, second.feature.index]);
-  refuses(() => limber.closestPoint(a, [0, 0]), "invalidArgument", "point");
-  refuses(() => limber.closestPoint(a, [0, 0, NaN]), "invalidArgument", "point");
-  refuses(() => limber.closestPointMany(a, [0, 0]), "sizeMismatch", "points");
+  assert.ok(many.at(1).closest.distance > 0 && many.at(1).stats.primitiveTests === many.primitiveTests[1]);
   const surface = new limber.ClosedSurface(a);
   assert.ok(surface.contains([0.1, 0.1, 0.1]) && !surface.contains([0.1, 0.1, 0.1], { pose }));
-  const { distance, isInside, closest } = surface.signedDistance([0.1, 0.1, 0.2]);
-  assert.ok(isInside && distance < 0 && closest.distance === -distance);
-  const outside = surface.signedDistance([3, 3, 3]);
-  assert.ok(outside.distance > 0 && !outside.isInside && outside.stats.primitiveTests > 0);
+  const inside = surface.signedDistance([0.1, 0.1, 0.2]), outside = surface.signedDistance([3, 3, 3]);
+  assert.ok(inside.isInside && inside.distance < 0 && inside.closest.distance === -inside.distance);
+  assert.ok(!outside.isInside && outside.distance > 0);
   const signed = surface.signedDistanceMany([0.1, 0.1, 0.1, 3, 3, 3, 0, 0, 0], { maxDistance: 0.01 });
-  assert.ok(signed instanceof limber.SignedDistances && signed instanceof limber.PointResults);
-  assert.deepEqual([...signed.insides], [1, 0, 1]);
-  assert.deepEqual([...signed.distances], [Infinity, Infinity, 0]);
-  assert.deepEqual([...signed].map((one) => [one.isInside, one.distance, one.closest?.distance]),
-    [[true, Infinity, undefined], [false, Infinity, undefined], [true, 0, 0]]);
-  refuses(() => signed.at(3), "invalidArgument", "no point 3 of 3");
-  refuses(() => new limber.ClosedSurface(sheet(3)), "notClosed", "edge");
-  a.dispose();
-  refuses(() => surface.contains([0, 0, 0]), "disposed", "model");
-  surface.dispose();
+  assert.deepEqual([[...signed.insides], [...signed.distances]], [[1, 0, 1], [Infinity, Infinity, 0]]);
+  assert.deepEqual([...signed].map((one) => one.closest?.distance), [undefined, undefined, 0]);
 });
 
-test("levels of spheres, to draw the tree", () => {
-  const a = sheet(30), { levels, nodes, leaves } = a.treeStats();
-  let count = 0;
-  for (let level = 0; level < levels; ++level) count += a.nodeSpheres(level).length / 4;
-  assert.equal(count, nodes);
-  assert.equal(a.nodeSpheres(levels - 1).length / 4, leaves);
-  const { center, radius } = a.boundingSphere();
-  assert.deepEqual([...a.nodeSpheres(0)], [...center, radius]);
-  for (const level of [levels, -1, NaN, 1e12]) refuses(() => a.nodeSpheres(level), "invalidArgument", "level");
-});
-
-test("mesh files in memory", () => {
-  const bytes = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nf 1 2 3 4\n");
-  for (const given of [bytes, bytes.buffer]) {
-    const file = limber.readMeshBytes(given, "a folder/square.obj");
-    assert.deepEqual([...file.vertices], [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.5]);
-    assert.deepEqual([...file.faces], [0, 1, 2, 0, 2, 3]);
-    assert.deepEqual([[...file.faceOfTriangle], file.faceCount], [[0, 0], 1]);
+test("shapes are what formulas say, and are taken where models are", () => {
+  const point = Shape.sphere(0), ball = Shape.sphere(0.5), rod = Shape.capsule([0, 0, -1], { x: 0, y: 0, z: 1 }, 0.25);
+  const upper = (a, b, ...translation) => limber.distance(a, b, at(...translation)).upper;
+  const found = limber.distance(ball, rod, at(2, 0, 0.5));
+  assert.deepEqual([ball.radius, ball.isSolid, Shape.box([1, 2, 3]).isSolid], [0.5, false, true]);
+  assert.deepEqual([found.lower, found.upper, found.witness.pointA], [1.25, 1.25, [0.5, 0, 0]]);
+  assert.deepEqual([1.25, 1.24].map((d) => limber.within(ball, rod, d, at(2, 0, 0)).answer), ["yes", "no"]);
+  assert.equal(upper(Shape.box([1, 2, 3]), point, 1, 5, 0), 3);
+  near(upper(Shape.box([1, 2, 3], 0.25), point, 4, 6, 0), 4.75);
+  for (const points of [[...corners, 0.1, 0.1, 0.1], Float32Array.from(corners), Float64Array.from(corners)]) {
+    const hull = Shape.convexHull(points);
+    near(upper(hull, point, 1, 1, 1), 2 / Math.sqrt(3));
+    near(upper(Shape.convexHull(points, 0.5), point, 1, 1, 1), 2 / Math.sqrt(3) - 0.5);
+    assert.equal(limber.collide(hull, point, at(0.125, 0.125, 0.125)).answer, "yes");
   }
-  refuses(() => limber.readMeshBytes(bytes, "square.xyz"), "unsupportedFormat", "square.xyz");
-  refuses(() => limber.readMeshBytes(bytes, "square.stl"), "malformedFile");
-  refuses(() => limber.readMeshBytes(new Uint8Array(0), "none.obj"), "malformedFile", "none.obj: is empty");
-  refuses(() => limber.readMeshBytes("text", "none.obj"), "invalidArgument", "bytes");
+  const model = tetrahedron(), contacts = limber.contacts(model, ball, 0.5, at(2, 0, 0));
+  assert.ok(contacts.count > 0 && contacts.distances.every((d) => d === 0.5));
+  assert.equal(limber.collide(Shape.box([2, 2, 2]), model).answer, "yes");
 });
 
-test("names of numbers cannot be changed, and nothing inside of objects is reachable", () => {
-  const names = Object.entries(limber).filter(([, value]) => Array.isArray(value));
-  assert.deepEqual(names.map(([name]) => name).sort(), ["answers", "distanceStatuses", "elementPairKinds",
-    "featureKinds", "impactStatuses", "normalSides", "stoppedBys"]);
-  for (const [name, value] of names) assert.ok(Object.isFrozen(value), name);
-  for (const type of [limber.Model, limber.MovingModel, limber.ClosedSurface]) assert.ok(!("addressOf" in type));
-  const scene = new limber.Scene();
+// --- motion ---
+
+/** A moving model of these arrays, which goes to `end` or stays. */
+function moving(vertices, triangles, end = vertices, poses = {}) {
+  const model = new limber.MovingModel(new limber.Model(vertices, triangles));
+  model.setMotion(end, poses);
+  return model;
+}
+
+/** The plate z = 0 over [-3, 3] x [-3, 3]. */
+const plateArrays = [[-3, -3, 0, 3, -3, 0, 3, 3, 0, -3, 3, 0], [0, 1, 2, 0, 2, 3]];
+const above = (z) => ({ translation: [0.1, 0.2, z] });
+/** A tetrahedron that falls from one height to another. Its lowest face is flat. */
+const falling = (from, to) => moving(corners, faces, corners, { startPose: above(from), endPose: above(to) });
+
+test("a body falls on a plate", () => {
+  const floor = moving(...plateArrays), found = limber.timeOfImpact(falling(3, -1), floor);
+  assert.deepEqual([found.status, found.lower, found.upper, found.stoppedBy], ["contact", 0.75, 0.75, "nothing"]);
+  assert.ok(["vertexFace", "edgeEdge"].includes(found.elements.kind) && found.stats.primitiveTests > 0);
+  assert.deepEqual(found.normal.map((x) => x + 0), [0, 0, -1]);
+  assert.deepEqual([found.witness.pointA[2], found.witness.pointB[2]], [0, 0]);
+  const clear = limber.timeOfImpact(falling(3, 2), floor);
+  assert.deepEqual([clear.status, clear.lower, clear.upper], ["clear", Infinity, Infinity]);
+  assert.deepEqual([clear.elements, clear.witness, clear.normal], [null, null, [0, 0, 0]]);
+  const crossing = limber.timeOfImpact(falling(-0.5, 2), floor);
+  assert.deepEqual([crossing.status, crossing.upper, crossing.elements], ["initialContact", 0, null]);
+  // What crosses may go on. An edge is 0.4 above the plate's diagonal, at (0.2, 0.2).
+  const down = limber.timeOfImpact(falling(-0.5, -1.5), floor, { ignoreCrossings: true });
+  assert.deepEqual([down.status, down.elements.kind], ["contact", "edgeEdge"]);
+  near(down.upper, 0.4);
+  near(limber.timeOfImpact(falling(3, -1), floor, { minSeparation: 1, maxTime: 0.9 }).upper, 0.5);
+  const any = limber.timeOfImpact(falling(3, -1), floor, { anyContact: true });
+  assert.ok(any.status === "contact" && any.lower <= 0.75 && any.upper >= 0.75);
+  const rough = limber.timeOfImpact(falling(3, -1.7), floor, { timeError: 2 ** -7 });
+  assert.ok(rough.lower <= 3 / 4.7 && rough.upper >= 3 / 4.7 && rough.upper - rough.lower <= 2 ** -7);
+  const rises = falling(0.3, 3);
+  assert.equal(limber.timeOfImpact(rises, floor, { minSeparation: 0.5 }).status, "initialContact");
+  assert.equal(limber.timeOfImpact(rises, floor, { minSeparation: 0.5, separationFraction: 0.5 }).status, "clear");
+  const none = limber.timeOfImpact(falling(3, -1), floor, { budget: { maxSteps: 0 } });
+  assert.deepEqual([none.status, none.stoppedBy], ["undecided", "maxSteps"]);
+});
+
+test("a model folds onto itself, and a motion ends when the model changes", () => {
+  const book = [0, 0, 0, 0, 1, 0, 1, 0.25, 0, -1, 0.25, 0], end = book.map((x, i) => (i === 9 ? 0.5 : x));
+  const a = moving(book, [0, 1, 2, 1, 0, 3], end), { status, upper, elements } = limber.selfTimeOfImpact(a);
+  assert.equal(status, "contact");
+  near(upper, 2 / 3);
+  assert.deepEqual(elements, { kind: "vertexFace", a: 3, b: 0 });
+  refuses(() => a.setMotion(book.slice(3)), "sizeMismatch", "3 positions for 4 vertices");
+  assert.throws(() => a.setMotion(book.map((x, i) => (i === 7 ? NaN : x))), { code: "nonFinite", where: 2 });
+  assert.equal(limber.selfTimeOfImpact(a).upper, upper, "what is refused leaves the motion as it was");
+  a.model.moveVertices([3], [-1, 0.25, 0]);
+  refuses(() => a.setMotion(book), "invalidArgument", "commit");
+  a.model.commit();
+  refuses(() => limber.selfTimeOfImpact(a), "invalidArgument", "motion");
+  a.setMotion(Float32Array.from(book));
+  assert.equal(limber.selfTimeOfImpact(a).status, "clear");
+});
+
+test("rigid bodies move, and turn", () => {
+  const body = tetrahedron(), floor = new limber.Model(...plateArrays), cache = new limber.QueryCache();
+  const motionA = new limber.RigidMotion(above(3), above(-1));
+  const found = limber.timeOfImpact(body, floor, { motionA, distanceError: 1e-6 });
+  assert.ok(found.time <= 0.75 && found.time >= 0.75 - 1e-6 && found.distanceCount > 0 && found.distanceCount < 40);
+  assert.deepEqual([found.status, found.stoppedBy, found.witness.pointB[2]], ["contact", "nothing", 0]);
+  near(found.normal[2], -1, 1e-9);
+  near(limber.timeOfImpact(body, floor, { motionA, minSeparation: 1, cache }).time, 0.5, 1e-5);
+  assert.equal(limber.timeOfImpact(floor, body, { motionB: motionA, distanceError: 1e-6 }).time, found.time);
+  const clear = limber.timeOfImpact(body, floor, { motionA, maxTime: 0.5 });
+  assert.deepEqual([clear.status, clear.time, clear.witness], ["clear", Infinity, null]);
+  assert.equal(limber.timeOfImpact(body, floor).status, "initialContact");
+  const few = limber.timeOfImpact(body, floor, { motionA, minSeparation: 0.01, budget: { maxSteps: 1 } });
+  assert.deepEqual([few.status, few.stoppedBy], ["undecided", "maxSteps"]);
+  const half = Math.SQRT1_2, quarter = { quaternion: [0, 0, half, half], translation: [2, 0, 0] };
+  const turns = new limber.RigidMotion(null, quarter);
+  const middle = [half, half, 0, 0, -half, half, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1];
+  assert.deepEqual(turns.at(0), [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+  turns.at(0.5).forEach((x, i) => near(x, middle[i]));
+  const about = new limber.RigidMotion(null, quarter, { x: 1, y: 0, z: 0 }).at(0.5);  // the center goes straight
+  near(half + about[12], 1.5), near(half + about[13], 0.5);
+  assert.deepEqual(new limber.RigidMotion(quarter).at(0.5), new limber.RigidMotion(quarter).at(1));
+});
+
+// --- scenes ---
+
+test("pairs of objects are asked as two models are", () => {
+  const model = tetrahedron(), scene = row(4, model), pairs = scene.candidatePairs(0);
+  assert.deepEqual([0, 2, 4].map((i) => `${pairs[i]},${pairs[i + 1]}`).sort(), ["0,1", "1,2", "2,3"]);
+  assert.deepEqual(Array.from(scene.collide(pairs).answers, (i) => limber.answers[i]), ["yes", "yes", "yes"]);
+  const asked = [0, 2, 3, 0, 1, 2], distances = scene.distance(asked), answers = scene.within(asked, 0.6);
+  const place = (id) => ({ translation: [0.75 * id, 0, 0] });
+  for (let i = 0; i < 3; ++i) {
+    const options = { poseA: place(asked[2 * i]), poseB: place(asked[2 * i + 1]) };
+    assert.deepEqual(distances.at(i), limber.distance(model, model, options));
+    assert.deepEqual([...answers][i], limber.within(model, model, 0.6, options));
+  }
+  assert.deepEqual([distances.count, distances.uppers[0]], [3, 0.5]);
+  assert.equal(limber.distanceStatuses[distances.statuses[0]], "exact");
+  assert.equal(scene.collide([]).count, 0);
+  const late = scene.distance([0, 2], { budget: { maxSteps: 0 } }), [stopped] = late;
+  assert.equal(limber.stoppedBys[late.stoppedBys[0]], "maxSteps");
+  assert.deepEqual([stopped.status, stopped.stoppedBy], ["interrupted", "maxSteps"]);
+});
+
+test("objects come, move and go, and the closest ones are found", () => {
+  const scene = row(4), other = tetrahedron();
+  assert.equal(scene.closestObjects().result.status, "collision");
+  const ignoredPairs = [0, 1, 2, 1, 2, 3], apart = scene.closestObjects({ ignoredPairs });
+  assert.equal(apart.result.upper, 0.5);
+  assert.ok(["0,2", "1,3"].includes(apart.objects.join()));
+  const limited = scene.closestObjects({ ignoredPairs, maxDistance: 0.25 });
+  assert.deepEqual([limited.objects, limited.result.status], [null, "beyondLimit"]);
+  scene.remove(1), scene.remove(3);
+  assert.equal(scene.size, 2);
+  assert.equal(scene.add(Shape.sphere(0.5), { translation: [9, 0, 0] }), 3);
+  assert.equal(scene.add(other), 1);
+  [5, 3, 7].forEach((x, id) => scene.setPose(id, { translation: [x, 0, 0] }));
   scene.commit();
-  const distances = scene.distance([]), answers = scene.collide([]);
-  const shared = ["count", "nodeTests", "objects", "pointsA", "pointsB", "stoppedBys", "primitiveTests", "trianglesA",
-    "trianglesB"];
-  assert.deepEqual(Object.keys(distances).sort(), ["lowers", "statuses", "uppers", ...shared].sort());
-  assert.deepEqual(Object.keys(answers).sort(), ["answers", ...shared].sort());
-});
-
-test("what is not of this package is refused", () => {
-  const a = tetrahedron(), cache = new limber.QueryCache();
-  for (const wrong of [undefined, null, {}, 5, cache, Object.create(limber.Model.prototype)]) {
-    refuses(() => limber.distance(a, wrong), "invalidArgument", "b is");
-    refuses(() => limber.collide(wrong, a), "invalidArgument", "a is");
-    refuses(() => limber.selfCollide(wrong), "invalidArgument", "model is");
-  }
-  for (const wrong of [a, {}, 1]) refuses(() => limber.distance(a, a, { cache: wrong }), "invalidArgument", "cache");
-});
-
-test("what has been disposed of is refused, and disposing again does nothing", () => {
-  const a = tetrahedron(), b = tetrahedron(), cache = new limber.QueryCache();
-  const rings = new limber.NeighborRings(b, 0);
-  for (const owner of [a, cache, rings]) {
-    assert.ok(!owner.isDisposed);
-    owner.dispose();
-    owner.dispose();
-    assert.ok(owner.isDisposed);
-  }
-  for (const use of [
-    () => limber.distance(a, b),
-    () => limber.distance(b, b, { cache }),
-    () => limber.selfContacts(b, 1, { filter: rings }),
-    () => a.commit(),
-    () => a.moveAll(corners),
-    () => a.vertices(),
-    () => a.isCommitted,
-    () => cache.clear(),
-  ]) {
-    refuses(use, "disposed");
-  }
+  assert.deepEqual([...scene.distance([0, 2, 1, 0, 2, 3]).uppers], [1, 1, 0.5]);
+  other.moveVertices([1], [1.5, 0, 0]);
+  refuses(() => scene.commit(), "invalidArgument", "commit");
+  other.commit();
+  refuses(() => scene.collide([0, 1]), "invalidArgument", "commit");
+  scene.commit();
+  assert.equal(scene.distance([0, 1]).uppers[0], 0.5);
 });

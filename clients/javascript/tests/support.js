@@ -34,3 +34,11 @@ export function grid(n, z = () => 0) {
   }
   return [vertices, Uint32Array.from(triangles)];
 }
+
+/** A scene of tetrahedra of size 1 at x = 0, 0.75, 1.5, ... */
+export function row(count, model = tetrahedron()) {
+  const scene = new limber.Scene();
+  for (let i = 0; i < count; ++i) assert.equal(scene.add(model, { translation: [0.75 * i, 0, 0] }), i);
+  scene.commit();
+  return scene;
+}

@@ -40,6 +40,14 @@ export function fillTable(table: HTMLElement, rows: readonly (readonly (string |
   );
 }
 
+/** Lets a box of the page switch something on and off. */
+export function connectBox(id: string, isOn: boolean, set: (isOn: boolean) => void): void {
+  const box = byId<HTMLInputElement>(id);
+  box.checked = isOn;
+  box.addEventListener('change', () => set(box.checked));
+  set(isOn);
+}
+
 /** Lets a button copy the command line; where the browser does not allow that, it is selected. */
 export function connectCopy(): void {
   const [button, command] = [byId('copy'), byId('command')];

@@ -41,7 +41,7 @@ const badgeRadius = 11; // of names
 export class Marks {
   private readonly svg = svgElement('svg', { class: 'marks', 'aria-hidden': 'true' });
   private readonly viewer: Viewer;
-  private readonly shown: Shown = {};
+  readonly shown: Shown = {};
 
   /** `more` are placed on top. */
   constructor(viewer: Viewer, more: () => SVGElement[] = () => []) {

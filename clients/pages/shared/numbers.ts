@@ -34,6 +34,12 @@ function integerDigits(size: number): number {
   return size < 1 ? 0 : Math.floor(Math.log10(size)) + 1;
 }
 
+/** How many there are of what has that name: "1 pair", "2 pairs". */
+export const counted = (count: number, name: string): string => `${grouped(count)} ${name}${count === 1 ? '' : 's'}`;
+
+/** A part of one: "10 %". */
+export const percent = (part: number): string => `${shown(100 * part)}\u00a0%`;
+
 /** A count in groups of three digits, by narrow spaces that do not break. */
 export function grouped(count: number): string {
   return String(count).replace(/\B(?=(\d{3})+$)/g, '\u202f');
@@ -46,12 +52,6 @@ export function roundBelow(most: number): number {
     if (factor * power <= most) return factor * power;
   }
   return power;
-}
-
-/** The same, the smallest that is at least `least`. */
-export function roundAbove(least: number): number {
-  const below = roundBelow(least);
-  return below < least ? roundBelow(below * 2.5) : below;
 }
 
 /** Multiples of a round step from low to high, at most about `count` of them; no step where there is no range. */

@@ -176,16 +176,6 @@ export class Surface {
     this.relief.value.set(...up.toArray(), low).divideScalar(range);
   }
 
-  /** Frees what the graphics card holds. */
-  dispose(): void {
-    this.geometry.dispose();
-  }
-
-  /** On the graphics card, to draw more with them. */
-  get positions(): BufferAttribute {
-    return this.geometry.getAttribute('position') as BufferAttribute;
-  }
-
   /** Tells that `mesh.points` has changed. */
   pointsHaveMoved(): void {
     this.geometry.getAttribute('position').needsUpdate = true;

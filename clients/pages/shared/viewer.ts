@@ -6,19 +6,8 @@
  * across the view are true to scale. A picture is drawn only where something has changed.
  */
 
-import {
-  Box3,
-  MOUSE,
-  Matrix4,
-  OrthographicCamera,
-  Raycaster,
-  Scene,
-  TOUCH,
-  Vector2,
-  Vector3,
-  WebGLRenderer,
-} from 'three';
-import type { Intersection, Object3D } from 'three';
+import { Box3, MOUSE, Matrix4, OrthographicCamera, Scene, TOUCH, Vector3, WebGLRenderer } from 'three';
+import type { Object3D } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { element } from './dom.ts';
 
@@ -165,20 +154,9 @@ export class Viewer {
     return [((clip.x + 1) / 2) * this.width, ((1 - clip.y) / 2) * this.height];
   }
 
-  /** The first of these objects that is seen at a point of the page, and where; nothing where none is. */
-  hit({ clientX, clientY }: MouseEvent, objects: Object3D[]): Intersection | undefined {
-    const { left, top } = this.host.getBoundingClientRect();
-    const [x, y] = [clientX - left - this.host.clientLeft, clientY - top - this.host.clientTop];
-    const ray = new Raycaster();
-    ray.setFromCamera(new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height), this.camera);
-    return ray.intersectObjects(objects, false)[0];
-  }
-
-  /** Directions of the frame on the picture. */
-  get axes(): { right: Vector3; up: Vector3; away: Vector3 } {
-    const [right, up, toward] = [new Vector3(), new Vector3(), new Vector3()];
-    this.camera.matrixWorld.extractBasis(right, up, toward);
-    return { right, up, away: toward.negate() };
+  /** From where the view looks, as a direction of the frame. */
+  get from(): Vector3 {
+    return this.camera.getWorldDirection(new Vector3()).negate();
   }
 
   /** How long a pixel is, in the frame. */

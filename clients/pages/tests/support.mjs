@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What tests share: modules of the pages, pages that the program writes, and a browser.
+// What tests share: modules of the page, pages that the program writes, and a browser.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -19,22 +19,8 @@ export async function module(path) {
   return import(`data:text/javascript;base64,${Buffer.from(bundle.outputFiles[0].contents).toString('base64')}`);
 }
 
-/** A folder that is empty at first. */
-export class Folder {
-  path = mkdtempSync(join(tmpdir(), 'limber-pages-'));
-
-  file = (name) => join(this.path, name);
-
-  store(name, text) {
-    writeFileSync(this.file(name), text);
-    return this.file(name);
-  }
-
-  remove = () => rmSync(this.path, { recursive: true });
-}
-
 /** The program's answer, as JSON lines. */
-export function limber(...words) {
+function limber(...words) {
   const program = process.env.LIMBER_PROGRAM;
   if (program === undefined) throw new Error('LIMBER_PROGRAM does not name the program');
   const { status, stdout, stderr } = spawnSync(program, words, { encoding: 'utf8', maxBuffer: 1 << 28 });
@@ -45,12 +31,57 @@ export function limber(...words) {
     .map((line) => JSON.parse(line));
 }
 
-/** The data that a page holds. */
-export function dataOf(path) {
-  const text = readFileSync(path, 'utf8');
-  const start = '<script type="application/json" id="data">';
-  const begin = text.indexOf(start) + start.length;
-  return JSON.parse(text.slice(begin, text.indexOf('</script>', begin)));
+const start = '<script type="application/json" id="data">';
+
+/** The page that the sources give, which need not be the one that the program has. */
+const viewer = () => readFileSync(join(pages, '../../build/pages/viewer.html'), 'utf8');
+
+/** Pages that the program makes, in a folder of their own, and a browser that shows them. */
+export class Session {
+  folder = mkdtempSync(join(tmpdir(), 'limber-pages-'));
+  answers = {};
+  data = {};
+
+  async launch() {
+    this.browser = await launch();
+  }
+
+  file = (name) => join(this.folder, name);
+  page = (name) => this.file(`${name}.html`);
+
+  store(name, text) {
+    writeFileSync(this.file(name), text);
+    return this.file(name);
+  }
+
+  /** Keeps what the program answers, and the data of its page, which it puts into the page that the sources give. */
+  make(name, ...words) {
+    this.answers[name] = limber(...words, '--json', '--report', this.page(name));
+    const written = readFileSync(this.page(name), 'utf8');
+    const begin = written.indexOf(start) + start.length;
+    const data = written.slice(begin, written.indexOf('</script>', begin));
+    this.data[name] = JSON.parse(data);
+    writeFileSync(
+      this.page(name),
+      viewer().replace('"data of the page"', () => data),
+    );
+  }
+
+  /** What the program answers. */
+  ask = (...words) => limber(...words, '--json');
+
+  /** Opens a page for a while; options may be left out. */
+  async show(name, ...words) {
+    const [use, options] = words.reverse();
+    const page = await open(this.browser, this.page(name), options);
+    await use(page);
+    await page.close();
+  }
+
+  async close() {
+    await this.browser?.close();
+    rmSync(this.folder, { recursive: true });
+  }
 }
 
 /** A box as OBJ. */
@@ -78,7 +109,7 @@ export function sheetObj(n, z) {
 
 const patience = 120_000; // milliseconds; where software draws on a busy machine, a frame may take a second
 
-export const launch = () =>
+const launch = () =>
   chromium.launch({
     timeout: patience,
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
@@ -86,7 +117,7 @@ export const launch = () =>
   });
 
 /** Opens a page, which must not say a word on the console, and must not ask for anything but itself. */
-export async function open(browser, path, { width = 1280, height = 900, scheme = 'light', script, ...options } = {}) {
+async function open(browser, path, { width = 1280, height = 900, scheme = 'light', script, ...options } = {}) {
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme, ...options });
   page.setDefaultTimeout(patience);
   page.complaints = [];
@@ -115,11 +146,6 @@ export const rowsOf = (page, selector) =>
 export const settled = (page) =>
   page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
-/** Waits until that many frames of the screen have passed: what moves by itself has moved. */
-export async function screenFrames(page, count) {
-  for (let i = 0; i < count; ++i) await settled(page);
-}
-
 /** The pixels of a canvas: how many are drawn and how many yellow, as parts of all, and a text that differs where
  * pixels do. */
 export const picture = (page, selector = '#view') =>
@@ -137,29 +163,38 @@ export const picture = (page, selector = '#view') =>
     return { drawn: (4 * drawn) / data.length, yellow: (4 * yellow) / data.length, text: copy.toDataURL() };
   });
 
-/** Whether all that is seen of a page fits, and a view, or what else has a canvas, is drawn on it, in silence. */
-export async function expectGoodLooks(page, selector) {
+/** Texts of all that a selector finds. */
+export const textsOf = (page, selector) => page.$$eval(selector, (all) => all.map((found) => found.textContent));
+
+export const tileTexts = (page) => textsOf(page, '#tiles > div');
+
+/** Whether all that is seen of a page fits, its view is drawn, and charts where there are some, in silence. */
+export async function expectGoodLooks(page, width, hasCharts) {
   assert.deepEqual(page.complaints, []);
-  const { drawn } = await picture(page, selector);
+  const { drawn } = await picture(page);
   assert.ok(drawn > 0.02 && drawn < 0.98, `${drawn} of the view is drawn`);
-  const { scrollWidth, clientWidth } = await page.evaluate(() => {
-    const { scrollWidth, clientWidth } = document.scrollingElement;
-    return { scrollWidth, clientWidth };
-  });
-  assert.ok(scrollWidth <= clientWidth, 'the page is too wide');
+  assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= innerWidth), 'the page is too wide');
+  const charts = await page.$$eval('.plot canvas', (all) => all.map((canvas) => canvas.clientWidth));
+  assert.equal(charts.length > 0, hasCharts);
+  for (const chart of charts) assert.ok(chart > 250 && chart <= width, `${chart} pixels`);
+  assert.equal(await page.locator('main h2:empty').count(), 0);
 }
 
-/** Goes through all that has the focus after that many tabs; each has a name, and shows the focus. Returns the ids. */
-export async function tabThrough(page, count) {
+/** Goes through all that can have the focus; each has a name, and shows the focus. */
+export async function tabThrough(page) {
+  const ids = await page.$$eval('button, input, select, summary, [tabindex]', (all) =>
+    all.filter((e) => e.offsetParent !== null).map((e) => e.id),
+  );
+  assert.ok(ids.length > 8);
   const seen = new Set();
-  for (let i = 0; i < count; ++i) {
+  for (let i = 0; i < ids.length; ++i) {
     await page.keyboard.press('Tab');
     const { id, label, outline } = await focused(page);
     assert.notEqual(label, '', `${id} has no name`);
     assert.ok(outline >= 2, `${id} does not show the focus`);
     seen.add(id);
   }
-  return seen;
+  assert.deepEqual([...seen].sort(), ids.sort());
 }
 
 /** What has the focus: its id, its name for those who cannot see it, and the width of its outline. */

@@ -1,41 +1,112 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** The page of `--report`: two models as they stand, a study of many pairs, or a replay of frames if it has rows. */
+/** The page of `--report`: answers about pairs of models, in words, in 3D, in a list and in charts. */
 
-import { showReplay } from '../replay/replay.ts';
-import type { ReplayData } from '../replay/model.ts';
-import { showReport } from '../report/report.ts';
-import type { ReportData } from '../report/model.ts';
-import { byId, connectCopy } from '../shared/dom.ts';
-import { inUnit, setUnit } from '../shared/numbers.ts';
-import type { StudyData } from '../study/model.ts';
-import { showStudy } from '../study/study.ts';
-import { isOfOnePair, usualTitle } from '../study/texts.ts';
-import { showMaking, showTitle } from './texts.ts';
-import type { Making } from './texts.ts';
+import { byId, connectCopy, element } from '../shared/dom.ts';
+import { setUnit } from '../shared/numbers.ts';
+import { RowList } from '../shared/row_list.ts';
+import { showCharts } from './charts.ts';
+import { isOfOnePair, readData } from './data.ts';
+import type { Data } from './data.ts';
+import { connectLegend } from './legend.ts';
+import { Matrix } from './matrix.ts';
+import { modelsOf, partsOf } from './models.ts';
+import type { Part } from './models.ts';
+import { Player } from './player.ts';
+import { connectSection } from './section.ts';
+import { showAnswer, showMaking, showModels } from './tables.ts';
+import { partName, rowName, showTiles, showTitles, shownDistance, verdictOf } from './texts.ts';
+import { connectTraveller, showHeights } from './traveller.ts';
+import { View } from './view.ts';
 
-type Data = (ReportData | ReplayData | StudyData) & Making & { title?: string; unit?: string };
+const mostInMatrix = 200; // parts
 
-const data = JSON.parse(byId('data').textContent ?? 'null') as Data;
-const view = 'study' in data ? 'study' : 'rows' in data ? 'replay' : 'report';
-// The page has templates for what only some of the views have.
-for (const part of document.querySelectorAll('template')) {
-  if (part.dataset.of?.split(' ').includes(view)) part.replaceWith(part.content);
-  else part.remove();
+/** The page has all that some kind of data needs; what others need leaves. */
+function takeParts({ kind, min_clearance, parts, rows }: Data): void {
+  const leaves = (part: HTMLElement): boolean => !part.dataset.of!.split(' ').includes(kind);
+  document.querySelectorAll<HTMLElement>('[data-of]').forEach((part) => leaves(part) && part.remove());
+  if (kind === 'frames' && min_clearance === null) byId('rows-section').remove();
+  if (kind === 'parts' && parts.name.length > mostInMatrix) byId('matrix-section').remove();
+  if (rows.status.length === 0) {
+    for (const part of document.querySelectorAll('.pair, #answer-section, #matrix-section, #rows-section'))
+      part.remove();
+  } else {
+    const beside = { pair: 'section-part', pairs: 'rows-section', parts: 'rows-section', frames: 'charts-section' }[
+      kind
+    ];
+    document.querySelector('.pair')!.append(byId(beside));
+  }
 }
-setUnit(data.unit ?? '');
-for (const place of document.querySelectorAll('.in-unit')) place.textContent = inUnit();
-const title = data.title ?? '';
-if ('study' in data) {
-  const { study, models } = data;
-  const pair = [study.rows.a[0], study.rows.b[0]].map((part) => study.parts.name[part]) as [string, string];
-  showTitle(title, isOfOnePair(study) ? pair : usualTitle(study, models));
-  showStudy(data);
-} else {
-  showTitle(title, [data.models[0].name, data.models[1].name]);
-  if ('rows' in data) showReplay(data);
-  else showReport(data);
+
+/** All rows, the worst first. */
+function listOf(data: Data, choose: (row: number) => void): RowList {
+  const { rows, kind, worst_first, counts, accepted } = data;
+  const names = kind === 'parts' || !isOfOnePair(data) ? [kind === 'parts' ? 'Parts' : 'Models'] : [];
+  const what = kind === 'frames' ? 'frames' : 'pairs';
+  const total = Object.values(counts).reduce((sum, number) => sum + number, accepted);
+  const all = total > rows.row.length ? `The worst ${rows.row.length}` : 'All';
+  byId('rows-title').textContent = `${all} ${what}, the worst first`;
+  const shown = worst_first.map((row) => {
+    const { kind: word, text } = verdictOf(data, row);
+    const both = [rows.a[row], rows.b[row]].map((part) => element('div', '', partName(data, part)));
+    const cells = [...names.map(() => element('span', 'wrapping', ...both)), text, shownDistance(data, row)];
+    return { row, kind: word, cells: [String(rows.row[row]), ...cells] };
+  });
+  const verdict = kind === 'frames' ? 'Clearance' : 'Clash';
+  return new RowList([rowName(data), ...names, verdict, 'Distance'], shown, choose);
 }
+
+/** Lets the reader choose a row, which everything then shows. */
+function showRows(data: Data, parts: readonly Part[]): void {
+  const { kind, rows, worst_first, frame_count, stride, min_clearance } = data;
+  const [worst] = worst_first;
+  const shows: { show(row: number): void }[] = [];
+  const show = (row: number): void => {
+    for (const shown of shows) shown.show(row);
+  };
+  const choose = (row: number): void => (player === undefined ? show(row) : player.jumpTo(row));
+  // Charts come first, as the view is as high as they are.
+  if (kind === 'frames' || kind === 'pairs') shows.push(...showCharts(data, choose));
+  if (document.getElementById('matrix') !== null) shows.push(new Matrix(data, choose));
+  const list = document.getElementById('rows') === null ? undefined : listOf(data, choose);
+  if (list !== undefined) shows.push(list);
+  shows.push({ show: (row) => showAnswer(data, row) });
+  const first = kind === 'frames' && min_clearance === null ? 0 : worst;
+  const view = new View(data, parts, first);
+  shows.push(view);
+  if (kind === 'pair') {
+    connectSection(data, view);
+    connectLegend(data, view);
+  }
+  let player: Player | undefined;
+  if (kind === 'frames') {
+    showHeights(view);
+    connectTraveller(data, view);
+    const last = rows.status.length - 1;
+    const keptRows = rows.row.filter((row) => (row % frame_count) % stride === 0);
+    player = new Player(keptRows, (row) => {
+      show(row);
+      byId('frame-text').textContent = `${row} of ${last}`;
+      byId('frame').setAttribute('aria-valuetext', `frame ${row}, ${shownDistance(data, row)}`);
+    });
+    byId('worst').hidden = min_clearance === null;
+    byId('worst').addEventListener('click', () => choose(worst));
+  }
+  if (kind !== 'pair') {
+    byId('back').addEventListener('click', () => (player ?? list)!.step(-1));
+    byId('forward').addEventListener('click', () => (player ?? list)!.step(1));
+  }
+  choose(first);
+}
+
+const data = readData();
+takeParts(data);
+setUnit(data.unit);
+showTitles(data);
+showTiles(data);
+const models = modelsOf(data);
+showModels(data, models);
 showMaking(data);
+if (data.rows.status.length > 0) showRows(data, partsOf(data, models));
 connectCopy();

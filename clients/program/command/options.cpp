@@ -26,20 +26,18 @@ std::uint64_t read_count(const std::string& text, const std::string& name, const
   return *count;
 }
 
+CLI::Option* add_file(CLI::App& command, const std::string& name, std::string& target, const std::string& kind,
+                      const std::string& description) {
+  CLI::Option* const option = command.add_option(name, target, description)->type_name(kind);
+  return target.empty() ? option : option->capture_default_str();
+}
+
+void add_out(CLI::App& command, std::string& target, const std::string& where) {
+  add_file(command, "--out", target, "FILE", where + "where the answer is written, - for standard output");
+}
+
 CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description) {
   return command.add_flag("--json", target, description);
-}
-
-void add_table(CLI::App& command, std::string& target, const std::string& description) {
-  command.add_option("--out", target, description + ", as CSV; - for standard output, which then has nothing else")
-      ->type_name("FILE");
-}
-
-void check_table(const CLI::App& command) {
-  const CLI::Option& out = *command.get_option("--out");
-  if (out.count() > 0 && out.as<std::string>() == "-" && command.get_option("--json")->count() > 0) {
-    throw CLI::ValidationError("--out", "leaves no room on standard output for --json");
-  }
 }
 
 CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told) {

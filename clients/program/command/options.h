@@ -73,14 +73,15 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
   return command.add_option_function<std::string>(name, read, description)->type_name(words)->default_str(default_word);
 }
 
+/// A file of a kind, such as "CSV".
+CLI::Option* add_file(CLI::App& command, const std::string& name, std::string& target, const std::string& kind,
+                      const std::string& description);
+
+/// `--out`, of a verb whose answer is a table; "-" is standard output.
+void add_out(CLI::App& command, std::string& target, const std::string& where = {});
+
 /// `--json`.
 CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description);
-
-/// `--out`, of a verb whose answer is not all in the table that it writes: "where a row for each pair is written".
-void add_table(CLI::App& command, std::string& target, const std::string& description);
-
-/// To be called once everything is parsed: standard output is for the table or for `--json`.
-void check_table(const CLI::App& command);
 
 /// `--exit-code`, with what it tells: "the models collide".
 CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told);

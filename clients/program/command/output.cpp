@@ -9,8 +9,17 @@
 #include <cmath>
 #include <cstring>
 
-#include "command/terminal.h"
 #include "command/text.h"
+
+#if defined(_WIN32)
+#include <fcntl.h>
+#include <io.h>
+#else
+#include <unistd.h>
+
+#include <csignal>
+#include <initializer_list>
+#endif
 
 namespace limber::program {
 namespace {
@@ -53,20 +62,39 @@ std::string csv_field(std::string_view text) {
   return field + '"';
 }
 
-std::size_t cell_count(std::string_view key) {
-  return key == "witness" ? 10 : key == "pair" ? 18 : key == "touch" ? 15 : key == "closest" ? 9 : 1;
+/// The names of the columns of an array of three numbers.
+std::array<std::string, 3> names_of_three(const std::string& name) {
+  if (name == "point") return {"x", "y", "z"};
+  if (name == "weights") return {"weight_0", "weight_1", "weight_2"};
+  const std::string start = name == "position" ? "closest" : name;
+  return {start + "_x", start + "_y", start + "_z"};
 }
 
-/// Appends cells, each with a comma after it.
-void append_cells(std::string& line, const std::string& key, const Json& json) {
-  if (json.is_structured()) {
-    for (const auto& [inner_key, value] : json.items()) append_cells(line, inner_key, value);
-  } else if (json.is_null()) {
-    line.append(cell_count(key), ',');
+void append_names(Names& names, const std::string& prefix, const Json& sample) {
+  for (const auto& [key, value] : sample.items()) {
+    const bool has_no_name = key == "witness" || key == "pair" || key == "touch" || key == "closest";
+    if (value.is_object()) {
+      append_names(names, has_no_name ? prefix : prefix + key + '_', value);
+    } else if (value.is_array()) {
+      for (const std::string& name : names_of_three(key)) names.push_back(prefix + name);
+    } else {
+      names.push_back(prefix + key);
+    }
+  }
+}
+
+/// Appends the cells of `json`, or empty ones where it is null, as many as the sample has; each with a comma after it.
+void append_cells(std::string& line, const Json& sample, const Json& json) {
+  if (sample.is_object()) {
+    for (const auto& [key, value] : sample.items()) {
+      append_cells(line, value, json.is_object() && json.contains(key) ? json[key] : Json());
+    }
+  } else if (sample.is_array()) {
+    for (std::size_t i = 0; i < sample.size(); ++i) append_cells(line, sample[i], json.is_array() ? json[i] : Json());
   } else {
     if (json.is_string()) {
       line += csv_field(json.get_ref<const std::string&>());
-    } else {
+    } else if (!json.is_null()) {
       append(line, json);
     }
     line += ',';
@@ -76,6 +104,24 @@ void append_cells(std::string& line, const std::string& key, const Json& json) {
 constexpr double bar_redraw_s = 0.1;
 
 }  // namespace
+
+#if defined(_WIN32)
+
+bool is_terminal(std::FILE* stream) { return _isatty(_fileno(stream)) != 0; }
+
+void prepare_streams() {
+  for (std::FILE* const stream : {stdout, stderr}) _setmode(_fileno(stream), _O_BINARY);  // line ends stay as they are
+}
+
+#else
+
+bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) != 0; }
+
+void prepare_streams() {
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+}
+
+#endif
 
 void fail_to_write(const std::string& name, int reason) {
   throw OutputFailed(reason == EPIPE ? "" : fmt::format("cannot write {}: {}", name, std::strerror(reason)));
@@ -121,14 +167,17 @@ std::string to_line(const Json& json) {
   return line + '\n';
 }
 
-std::string csv_line(const Json& json) {
+AnswerColumns::AnswerColumns(Json sample) : sample_(std::move(sample)) { append_names(names_, {}, sample_); }
+
+std::string AnswerColumns::header() const { return fmt::format("{}\n", fmt::join(names_, ",")); }
+std::string AnswerColumns::help() const { return fmt::format("{}", fmt::join(names_, ", ")); }
+
+std::string AnswerColumns::line(const Json& object) const {
   std::string line;
-  append_cells(line, {}, json);
+  append_cells(line, sample_, object);
   line.back() = '\n';
   return line;
 }
-
-std::string spaced(const std::string& columns) { return fmt::format("{}", fmt::join(fields_of(columns, ','), ", ")); }
 
 Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
 

@@ -44,6 +44,13 @@ void write_line(fmt::format_string<Args...> format, Args&&... args) {
 /// Hands over what has been written so far. Errors: OutputFailed.
 void flush();
 
+/// Whether what is written to the stream is seen by a person at once.
+bool is_terminal(std::FILE* stream);
+
+/// To be called before anything is written: every system then writes the same bytes, and a write fails, instead of a
+/// signal ending the program, when the reader is gone or a file as large as it may be.
+void prepare_streams();
+
 /// Wall time since it was made.
 class Stopwatch {
  public:
@@ -92,12 +99,23 @@ void warn(const std::string& verb, const std::string& text);
 /// Pre      All numbers are finite.
 std::string to_line(const Json& json);
 
-/// A JSON object as a line of CSV: all values in their order, those of arrays and objects too. Null leaves cells empty:
-/// as many as a `witness`, `pair`, `touch` or `closest` has, or one.
-std::string csv_line(const Json& json);
+/// The columns of CSV, which are the fields of JSON objects. An object in an object has its name before those of its
+/// columns, but for witness, pair, touch and closest; an array of three numbers is three columns.
+class AnswerColumns {
+ public:
+  /// `sample` has all fields that there may be. Those that are null are one column each.
+  explicit AnswerColumns(Json sample);
 
-/// Names between commas, with a space after each comma.
-std::string spaced(const std::string& columns);
+  std::string header() const;  ///< a line of CSV
+  std::string help() const;    ///< the names, with a space after each comma
+
+  /// An object as a line of CSV. What it lacks, or is null, leaves cells empty.
+  std::string line(const Json& object) const;
+
+ private:
+  Json sample_;
+  std::vector<std::string> names_;
+};
 
 Json to_json(const Vec3& point);
 /// Null without a value.

@@ -20,7 +20,6 @@
 #include <utility>
 
 #include "command/output.h"
-#include "command/terminal.h"
 #include "command/text.h"
 
 #if defined(_WIN32)

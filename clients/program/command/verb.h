@@ -37,7 +37,6 @@ Verb add_contacts(CLI::App& app);
 Verb add_self(CLI::App& app);
 Verb add_points(CLI::App& app);
 Verb add_track(CLI::App& app, const std::string& command_line);
-Verb add_bench(CLI::App& app);
 Verb add_demo(CLI::App& app, const std::string& command_line);
 
 }  // namespace limber::program

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "command/text.h"
+#include "formats/scenes.h"
 #include "reports/page_template.h"
-#include "scenes/scenes.h"
 #include "verbs/replay.h"
 
 namespace limber::program {
@@ -24,7 +24,9 @@ TrackRow row_of(std::size_t number, const DemoFrame& frame) {
   row.update = {frame.update_us, frame.update};
   row.query_us = frame.answer_us;
   row.result = frame.answer;
-  if (frame.answer.witness) row.witness = FoundWitness{*frame.answer.witness};
+  if (const auto& found = frame.answer.witness) {
+    row.witness = FoundWitness{*found, found->triangle_a, found->triangle_b};  // each is a face of its own
+  }
   return row;
 }
 

@@ -9,8 +9,8 @@
 
 #include "command/output.h"
 #include "command/text.h"
-#include "reference/reference.h"
-#include "scenes/scenes.h"
+#include "demo/brute_force.h"
+#include "formats/scenes.h"
 
 namespace limber::program {
 namespace {
@@ -110,7 +110,7 @@ void replay_sheet(const DemoOptions& options, const SheetWatcher& watcher) {
 
 bool is_confirmed_by_brute_force(const DemoRun& run) {
   const DemoFrame& last = run.frames.back();
-  const double exact = reference::distance({run.sheet}, {run.ball, last.ball_pose}).upper;
+  const double exact = brute_force_distance(run.sheet, run.ball, last.ball_pose);
   return is_confirmed(last.answer, run.options.query.relative_error, exact) &&
          is_confirmed(last.rough, rough_error, exact);
 }

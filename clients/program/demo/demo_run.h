@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "answers/deforming_model.h"
 #include "limber/distance.h"
-#include "verbs/deforming_model.h"
 
 /// The demonstration: a sheet is dented again and again while a ball flies over it.
 namespace limber::program {

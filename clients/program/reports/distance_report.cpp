@@ -3,17 +3,19 @@
 #include "reports/distance_report.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <map>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "command/text.h"
+#include "formats/position_frames.h"
 #include "limber/contacts.h"
 #include "limber/points.h"
 #include "reports/page_data.h"
+#include "reports/study.h"
 
 namespace limber::program {
 namespace {
@@ -31,28 +33,20 @@ struct DistanceMap {
 /// distance then differs from the interpolated one by at most half of that.
 constexpr double short_part = 0.25;
 
-/// One number for an edge, whichever end comes first.
-std::uint64_t edge_key(VertexId v, VertexId w) { return std::uint64_t{std::min(v, w)} << 32U | std::max(v, w); }
+/// An edge by the ids of its ends, the lesser first.
+using Edge = std::pair<VertexId, VertexId>;
 
-/// The middle of each edge that is to be divided, by the ids of its ends.
-class Middles {
- public:
-  void add(VertexId v, VertexId w, VertexId middle) { middles_.emplace(edge_key(v, w), middle); }
-
-  /// The middle, or `no_id` where the edge is not divided.
-  VertexId find(VertexId v, VertexId w) const {
-    const auto found = middles_.find(edge_key(v, w));
-    return found == middles_.end() ? no_id : found->second;
-  }
-
- private:
-  std::unordered_map<std::uint64_t, VertexId> middles_;
-};
+/// The middle of each edge that is to be divided.
+using Middles = std::map<Edge, VertexId>;
 
 /// The parts of a triangle whose edges have those middles: 1 to 4.
 void append_parts(std::vector<Corners>& parts, const Corners& triangle, const Middles& middles) {
+  const auto middle_of = [&](VertexId v, VertexId w) {
+    const auto found = middles.find(std::minmax(v, w));
+    return found == middles.end() ? no_id : found->second;
+  };
   auto [a, b, c] = triangle;
-  VertexId ab = middles.find(a, b), bc = middles.find(b, c), ca = middles.find(c, a);
+  VertexId ab = middle_of(a, b), bc = middle_of(b, c), ca = middle_of(c, a);
   // Turned so that the first edge is divided if one is, and the last one is not unless all are.
   for (int i = 0; i < 2 && (ab == no_id || (ca != no_id && bc == no_id)); ++i) {
     std::swap(a, b), std::swap(b, c);
@@ -69,16 +63,9 @@ void append_parts(std::vector<Corners>& parts, const Corners& triangle, const Mi
   }
 }
 
-/// An edge that is to be divided; those that need it most come first.
-struct LongEdge {
-  double excess = 0;
-  VertexId v = 0, w = 0;
-
-  std::uint64_t key() const { return edge_key(v, w); }
-  bool operator<(const LongEdge& other) const {
-    return excess != other.excess ? excess > other.excess : key() < other.key();
-  }
-};
+/// An edge that is to be divided, and minus how many times it is as long as it should be at most: what is smaller needs
+/// it more.
+using LongEdge = std::pair<double, Edge>;
 
 /// Dividing an edge makes one triangle more of each that has it: as a rule two.
 constexpr std::size_t parts_of_edge = 2;
@@ -102,15 +89,12 @@ class Refinement {
   bool divide(double shortest_edge, std::size_t most_triangles) {
     std::vector<LongEdge> edges = long_edges(shortest_edge);
     const std::size_t room = (most_triangles - map_.triangles.size()) / parts_of_edge;
-    if (edges.size() > room) {
-      std::nth_element(edges.begin(), edges.begin() + static_cast<std::ptrdiff_t>(room), edges.end());
-      edges.resize(room);
-    }
+    if (edges.size() > room) edges.resize(room);
     if (edges.empty()) return false;
     Middles middles;
-    for (const LongEdge& edge : edges) {
-      middles.add(edge.v, edge.w, static_cast<VertexId>(map_.positions.size()));
-      map_.positions.push_back((map_.positions[edge.v] + map_.positions[edge.w]) * 0.5);
+    for (const auto& [excess, edge] : edges) {
+      middles.emplace(edge, static_cast<VertexId>(map_.positions.size()));
+      map_.positions.push_back((map_.positions[edge.first] + map_.positions[edge.second]) * 0.5);
     }
     std::vector<Corners> parts;
     std::vector<std::uint32_t> parts_of;
@@ -149,14 +133,13 @@ class Refinement {
     std::vector<LongEdge> edges;
     for (const Corners& triangle : map_.triangles) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const VertexId v = triangle[i], w = triangle[(i + 1) % 3];
+        const auto [v, w] = std::minmax(triangle[i], triangle[(i + 1) % 3]);
         const double by = excess(v, w, shortest_edge);
-        if (by > 1) edges.push_back({by, v, w});
+        if (by > 1) edges.push_back({-by, {v, w}});
       }
     }
-    std::sort(edges.begin(), edges.end(), [](const LongEdge& a, const LongEdge& b) { return a.key() < b.key(); });
-    const auto same = [](const LongEdge& a, const LongEdge& b) { return a.key() == b.key(); };
-    edges.erase(std::unique(edges.begin(), edges.end(), same), edges.end());
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     return edges;
   }
 
@@ -184,126 +167,63 @@ constexpr double shortest_edge_part = 1.0 / 256;
 
 double diagonal_of(const Box& box) { return length(box.high - box.low); }
 
-/// The triangles of each model that intersect the other, and how many pairs of them there are.
-struct Intersections {
-  std::size_t pair_count = 0;
-  IntersectingTriangles triangles;
-  std::optional<Vec3> normal;  ///< of the deepest pair, from A to B
-};
-
-/// Which triangles of two models have been named.
-class MarkedTriangles {
- public:
-  MarkedTriangles(const Placed& a, const Placed& b)
-      : a_(a.model().mesh().triangles().size()), b_(b.model().mesh().triangles().size()) {}
-
-  void mark(TriangleId a, TriangleId b) { a_[a] = b_[b] = true; }
-  IntersectingTriangles triangles() const { return {ids_of(a_), ids_of(b_)}; }
-
- private:
-  static std::vector<TriangleId> ids_of(const std::vector<bool>& is_marked) {
-    std::vector<TriangleId> ids;
-    for (TriangleId t = 0; t < is_marked.size(); ++t) {
-      if (is_marked[t]) ids.push_back(t);
-    }
-    return ids;
-  }
-
-  std::vector<bool> a_, b_;
-};
-
-Intersections intersections_of(const Placed& a, const Placed& b) {
-  MarkedTriangles marked(a, b);
-  Intersections found;
-  double deepest = -1;
-  const auto visit = [&](const Contact& contact) {
-    marked.mark(contact.triangle_a, contact.triangle_b);
-    if (contact.depth > deepest) {
-      deepest = contact.depth;
-      found.normal = contact.normal;
-    }
-    return true;
-  };
-  found.pair_count = visit_contacts(a, b, 0, visit).count;
-  found.triangles = marked.triangles();
-  return found;
-}
-
-Json json_of_model(const std::string& name, const PlacedModel& model, const Placed& other, double shortest_edge,
-                   const std::vector<TriangleId>& intersecting) {
+/// Gives the model of a page, which stands in the world then, its distances from the other.
+void append_distances(Json& json, const PlacedModel& model, const Placed& other, double shortest_edge) {
   const Mesh& mesh = model.model.mesh();
   const DistanceMap map =
       distance_map(mesh, model.pose, other, shortest_edge, std::max(most_triangles, mesh.triangles().size()));
   const MeshView shown{map.positions, map.triangles};
   const Box box = box_of(shown);
   const PageTriangles triangles(shown);
-  Json json = {{"name", shown_name(name)},
-               {"triangles", mesh.triangles().size()},
-               {"vertices", mesh.positions().size()},
-               {"faces", model.model.face_count()},
-               {"closed", model.model.is_closed()},
-               {"low", to_json(box.low)},
-               {"high", to_json(box.high)},
-               {"positions", quantized(triangles.in_order(shown.positions))},
-               {"corners", base64_of(triangles.corners)},
-               {"distances", quantized(triangles.in_order(std::span<const double>(map.distances)))},
-               {"intersecting", increasing_ids(intersecting)}};
-  if (map.triangles.size() > mesh.triangles().size()) {
-    Bytes parts;
-    for (const std::uint32_t count : map.parts_of) append_count(parts, count);
-    json["parts"] = base64_of(parts);
-  }
-  return json;
+  json["low"] = to_json(box.low);
+  json["high"] = to_json(box.high);
+  json["positions"] = quantized(triangles.in_order(shown.positions));
+  json["corners"] = base64_of(triangles.corners);
+  json["distances"] = quantized(triangles.in_order(std::span<const double>(map.distances)));
+  if (map.triangles.size() == mesh.triangles().size()) return;
+  Bytes ends;
+  for (const std::uint32_t count : map.parts_of) append_count(ends, count);
+  json["parts"] = base64_of(ends);
 }
 
-/// The corners of the triangles that the closest points lie on.
-Json json_of_witness_corners(const Pair& pair, const std::optional<FoundWitness>& witness) {
-  if (!witness) return nullptr;
-  Json json = Json::array();
-  for (const auto& [model, id] :
-       {std::pair(pair.a(), witness->witness.triangle_a), std::pair(pair.b(), witness->witness.triangle_b)}) {
-    const Triangle triangle = model.model.mesh().triangle(id);
-    Json corners = Json::array();
-    for (std::size_t i = 0; i < 3; ++i) corners.push_back(to_json(model.pose(triangle[i])));
-    json.push_back(corners);
-  }
-  return json;
+/// The corners of a placed model's triangle.
+Json corners_of(const PlacedModel& model, TriangleId id) {
+  const Triangle triangle = model.model.mesh().triangle(id);
+  return {to_json(model.pose(triangle.v0)), to_json(model.pose(triangle.v1)), to_json(model.pose(triangle.v2))};
 }
 
 }  // namespace
 
-IntersectingTriangles intersecting_triangles_of(const Placed& a, const Placed& b) {
-  MarkedTriangles marked(a, b);
-  visit_intersections(a, b, [&](const TrianglePair& pair) {
-    marked.mark(pair.a, pair.b);
-    return true;
-  });
-  return marked.triangles();
-}
-
 Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
                      const DistanceAnswer& answer) {
-  // Only the fast engine has point queries and contacts.
-  const Placed a{pair.a().model.in_fast_engine(), pair.a().pose}, b{pair.b().model.in_fast_engine(), pair.b().pose};
-  Intersections found;
-  if (answer.result.status == DistanceStatus::collision) found = intersections_of(a, b);
-  const double shortest_edge =
-      shortest_edge_part * std::min(diagonal_of(pair.a().model.box()), diagonal_of(pair.b().model.box()));
-  Json json;
-  append_answer(json, answer);
-  append_work(json, answer.result.stats, pair.build_us(), answer.elapsed_us);
-  json["min_clearance"] = to_json(question.min_clearance);
-  json["max_distance"] =
-      std::isfinite(question.options.max_distance) ? Json(question.options.max_distance) : Json(nullptr);
-  json["relative_error"] = question.options.relative_error;
-  json["absolute_error"] = question.options.absolute_error;
-  json["tolerance"] = question.tolerances.overlap;
-  json["mesh_error"] = question.tolerances.mesh_error;
-  json["intersections"] = found.pair_count;
-  json["contact_normal"] = found.normal ? to_json(*found.normal) : Json(nullptr);
-  json["witness_corners"] = json_of_witness_corners(pair, answer.witness);
-  json["models"] = {json_of_model(arguments.a, pair.a(), b, shortest_edge, found.triangles.a),
-                    json_of_model(arguments.b, pair.b(), a, shortest_edge, found.triangles.b)};
+  const PlacedModel a = pair.a(), b = pair.b();
+  Study study(StudyKind::pair, question,
+              {{shown_name(arguments.a), arguments.a, &a.model, a.pose},
+               {shown_name(arguments.b), arguments.b, &b.model, b.pose}});
+  study.add(0, {0, 1}, answer, std::nullopt);
+  Json json = study.to_json();
+  const Placed placed_a = a, placed_b = b;
+  const double shortest_edge = shortest_edge_part * std::min(diagonal_of(a.model.box()), diagonal_of(b.model.box()));
+  append_distances(json["models"][0], a, placed_b, shortest_edge);
+  append_distances(json["models"][1], b, placed_a, shortest_edge);
+  json["parts"]["poses"] = Json::array({poses_json(std::array{Transform{}}), poses_json(std::array{Transform{}})});
+  Json extra;
+  append_work(extra, answer.result.stats, pair.build_us(), answer.elapsed_us);
+  extra["intersections"] = 0;
+  extra["contact_normal"] = extra["witness_corners"] = nullptr;
+  if (answer.result.status == DistanceStatus::collision) {
+    std::optional<Contact> deepest;
+    extra["intersections"] = visit_contacts(placed_a, placed_b, 0, [&](const Contact& contact) {
+                               if (!deepest || contact.depth > deepest->depth) deepest = contact;
+                               return true;
+                             }).count;
+    if (deepest) extra["contact_normal"] = to_json(deepest->normal);
+  }
+  if (answer.witness) {
+    const Witness& found = answer.witness->witness;
+    extra["witness_corners"] = {corners_of(a, found.triangle_a), corners_of(b, found.triangle_b)};
+  }
+  json["pair"] = std::move(extra);
   return json;
 }
 

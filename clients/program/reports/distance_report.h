@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
-
+#include "answers/answers.h"
+#include "answers/models.h"
 #include "reports/page_template.h"
-#include "verbs/answers.h"
-#include "verbs/models.h"
 
 /// The page of `limber distance --report`.
 namespace limber::program {
@@ -15,11 +13,5 @@ namespace limber::program {
 /// and the triangles that intersect.
 Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
                      const DistanceAnswer& answer);
-
-/// The triangles of each model that intersect the other, in the order of their ids.
-struct IntersectingTriangles {
-  std::vector<TriangleId> a, b;
-};
-IntersectingTriangles intersecting_triangles_of(const Placed& a, const Placed& b);
 
 }  // namespace limber::program

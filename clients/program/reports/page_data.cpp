@@ -7,32 +7,8 @@
 #include <cmath>
 
 namespace limber::program {
-namespace {
 
 constexpr std::uint32_t largest_quantum = (1U << 24U) - 1;
-
-/// The numbers as quanta of 3 bytes each, the lowest byte first.
-struct Quantized {
-  double low = 0, step = 0;
-  Bytes bytes;
-};
-
-Quantized quantize(std::span<const double> numbers) {
-  Quantized answer;
-  if (numbers.empty()) return answer;
-  const auto [low, high] = std::minmax_element(numbers.begin(), numbers.end());
-  answer.low = *low;
-  answer.step = (*high - *low) / largest_quantum;
-  answer.bytes.reserve(3 * numbers.size());
-  for (const double number : numbers) {
-    const double quanta = answer.step > 0 ? (number - *low) / answer.step : 0;
-    const auto k = static_cast<std::uint32_t>(std::clamp(std::round(quanta), 0.0, double{largest_quantum}));
-    for (const unsigned shift : {0U, 8U, 16U}) answer.bytes.push_back(static_cast<std::uint8_t>(k >> shift));
-  }
-  return answer;
-}
-
-}  // namespace
 
 std::string base64_of(std::span<const std::uint8_t> bytes) {
   constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -53,8 +29,16 @@ void append_count(Bytes& bytes, std::uint64_t count) {
 }
 
 Json quantized(std::span<const double> numbers) {
-  const Quantized answer = quantize(numbers);
-  return {{"low", answer.low}, {"step", answer.step}, {"data", base64_of(answer.bytes)}};
+  const auto [low, high] = std::minmax_element(numbers.begin(), numbers.end());
+  const double step = (*high - *low) / largest_quantum;
+  Bytes bytes;  // 3 for each, the lowest first
+  bytes.reserve(3 * numbers.size());
+  for (const double number : numbers) {
+    const double quanta = step > 0 ? (number - *low) / step : 0;
+    const auto k = static_cast<std::uint32_t>(std::clamp(std::round(quanta), 0.0, double{largest_quantum}));
+    for (const unsigned shift : {0U, 8U, 16U}) bytes.push_back(static_cast<std::uint8_t>(k >> shift));
+  }
+  return {{"low", *low}, {"step", step}, {"data", base64_of(bytes)}};
 }
 
 Json quantized(std::span<const Vec3> points) {
@@ -76,6 +60,19 @@ Json increasing_ids(std::span<const std::uint32_t> ids) {
     previous = id;
   }
   return base64_of(bytes);
+}
+
+Json flat_witness(const std::optional<FoundWitness>& witness) {
+  if (!witness) return nullptr;
+  const auto& [a, b, triangle_a, triangle_b] = witness->witness;
+  return {a.x, a.y, a.z, b.x, b.y, b.z, triangle_a, triangle_b, witness->face_a, witness->face_b};
+}
+
+Json settings_of(const DistanceOptions& options, const std::optional<double>& min_clearance) {
+  return {{"min_clearance", to_json(min_clearance)},
+          {"max_distance", std::isfinite(options.max_distance) ? Json(options.max_distance) : Json(nullptr)},
+          {"relative_error", options.relative_error},
+          {"absolute_error", options.absolute_error}};
 }
 
 PageTriangles::PageTriangles(MeshView mesh) {

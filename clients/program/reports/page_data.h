@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "answers/answers.h"
 #include "command/output.h"
 #include "limber/mesh.h"
 
@@ -24,7 +28,7 @@ void append_count(Bytes& bytes, std::uint64_t count);
 /// Numbers as low + step * k, where k is a whole number of 24 bits.
 ///
 /// Promise  Each is off by at most half a step, up to rounding; the step is the range of the numbers / (2^24 - 1).
-/// Pre      All are finite, as is their range.
+/// Pre      There is one; all are finite, as is their range.
 Json quantized(std::span<const double> numbers);
 
 /// Points, quantized coordinate by coordinate: each of the three has its own low and step.
@@ -32,6 +36,21 @@ Json quantized(std::span<const Vec3> points);
 
 /// Ids that increase, as the differences between them.
 Json increasing_ids(std::span<const std::uint32_t> ids);
+
+/// Both points of a witness, then triangles and faces: of a, of b; null where there is none.
+Json flat_witness(const std::optional<FoundWitness>& witness);
+
+/// What was asked for, as every page tells it.
+Json settings_of(const DistanceOptions& options, const std::optional<double>& min_clearance);
+
+/// Moves what stands under these names to the ends of lists under the same names; null where there is nothing.
+template <typename Names>
+void append_row(Json& lists, Json row, const Names& names) {
+  for (const char* const name : names) lists[name].push_back(std::move(row[name]));
+}
+
+/// What a page says of what stands somewhere: names, files as typed, numbers of models, and poses.
+inline constexpr std::array part_names = {"name", "file", "model", "poses"};
 
 /// The triangles of a mesh, over vertices that are numbered anew: in the order in which triangles first name them.
 /// Vertices without a triangle are left out.

@@ -6,14 +6,14 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
-#include <vector>
 
+#include "answers/models.h"
 #include "command/text.h"
 #include "reports/sha256.h"
-#include "verbs/models.h"
 
 namespace limber::program {
 namespace {
@@ -41,16 +41,10 @@ std::optional<Json> described(const std::string& path) {
   std::error_code failed;
   if (!std::filesystem::is_regular_file(path, failed)) return std::nullopt;
   std::ifstream file(path, std::ios::binary);
-  std::vector<char> part(std::size_t{1} << 16U);
-  Sha256 digest;
-  std::uint64_t byte_count = 0;
-  while (file.read(part.data(), static_cast<std::streamsize>(part.size())) || file.gcount() > 0) {
-    const auto count = static_cast<std::size_t>(file.gcount());
-    digest.add(std::string_view(part.data(), count));
-    byte_count += count;
-  }
-  if (!file.eof()) return std::nullopt;
-  return Json{{"name", path}, {"bytes", byte_count}, {"sha256", digest.digest()}};
+  std::ostringstream bytes;
+  if (!(bytes << file.rdbuf())) return std::nullopt;
+  const std::size_t byte_count = bytes.view().size();
+  return Json{{"name", path}, {"bytes", byte_count}, {"sha256", sha256_of(std::move(bytes).str())}};
 }
 
 }  // namespace
@@ -59,6 +53,7 @@ std::string filled_page(Json data, const std::string& command_line) {
   constexpr std::string_view placeholder = "\"data of the page\"";
   const std::size_t at = viewer_template.find(placeholder);
   if (at == std::string_view::npos) throw std::logic_error("the viewer has no place for its data");
+  data["format"] = page_format;
   data["version"] = LIMBER_VERSION;
   data["made_at"] = time_of_day();
   data["command"] = command_line;

@@ -21,9 +21,12 @@ namespace limber::program {
 
 extern const std::string_view viewer_template;
 
-/// The page with its data in place, to which the program's version, the time and the command line are added. It shows a
-/// sequence if the data has "rows", as that of Replay, a study if it has "study", as that of Study, and otherwise what
-/// distance_report() gives.
+/// What the data consist of. The page says which it reads, in clients/pages/build.mjs; both are raised when what
+/// clients/pages/viewer/data.ts names changes.
+inline constexpr int page_format = 2;
+
+/// The page with its data in place: answers in rows, as Study and Replay give them. The program's version, the time and
+/// the command line are added.
 ///
 /// Pre      All numbers are finite.
 std::string filled_page(Json data, const std::string& command_line);

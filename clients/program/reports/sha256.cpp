@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
+#include <cstdint>
 
 namespace limber::program {
 namespace {
@@ -20,38 +22,20 @@ constexpr std::array<std::uint32_t, 64> round_constants = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-}  // namespace
+constexpr std::size_t block_bytes = 64;
 
-void Sha256::add(std::string_view bytes) {
-  for (const char byte : bytes) add(static_cast<std::uint8_t>(byte));
-}
-
-void Sha256::add(std::uint8_t byte) {
-  block_[byte_count_++ % block_bytes] = byte;
-  if (byte_count_ % block_bytes == 0) take_block();
-}
-
-std::string Sha256::digest() {
-  const std::uint64_t bit_count = 8 * byte_count_;
-  constexpr std::uint8_t end = 0x80, zero = 0;
-  add(end);
-  while (byte_count_ % block_bytes != block_bytes - sizeof bit_count) add(zero);
-  for (unsigned i = 8; i-- > 0;) add(static_cast<std::uint8_t>(bit_count >> 8U * i));
-  std::string text;
-  for (const std::uint32_t word : state_) text += fmt::format("{:08x}", word);
-  return text;
-}
-
-void Sha256::take_block() {
+void take_block(std::array<std::uint32_t, 8>& state, const char* block) {
   std::array<std::uint32_t, 64> schedule{};
-  for (std::size_t i = 0; i < block_bytes; ++i) schedule[i / 4] = schedule[i / 4] << 8U | block_[i];
+  for (std::size_t i = 0; i < block_bytes; ++i) {
+    schedule[i / 4] = schedule[i / 4] << 8U | static_cast<std::uint8_t>(block[i]);
+  }
   for (std::size_t t = 16; t < schedule.size(); ++t) {
     const std::uint32_t early = schedule[t - 15], late = schedule[t - 2];
     const std::uint32_t from_early = std::rotr(early, 7) ^ std::rotr(early, 18) ^ early >> 3U;
     const std::uint32_t from_late = std::rotr(late, 17) ^ std::rotr(late, 19) ^ late >> 10U;
     schedule[t] = schedule[t - 16] + from_early + schedule[t - 7] + from_late;
   }
-  auto [a, b, c, d, e, f, g, h] = state_;
+  auto [a, b, c, d, e, f, g, h] = state;
   for (std::size_t t = 0; t < schedule.size(); ++t) {
     const std::uint32_t choice = (e & f) ^ (~e & g), majority = (a & b) ^ (a & c) ^ (b & c);
     const std::uint32_t turned_e = std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25);
@@ -67,7 +51,22 @@ void Sha256::take_block() {
     a = first + turned_a + majority;
   }
   const std::array<std::uint32_t, 8> change = {a, b, c, d, e, f, g, h};
-  for (std::size_t i = 0; i < state_.size(); ++i) state_[i] += change[i];
+  for (std::size_t i = 0; i < state.size(); ++i) state[i] += change[i];
+}
+
+}  // namespace
+
+std::string sha256_of(std::string bytes) {
+  const std::uint64_t bit_count = 8 * bytes.size();
+  bytes += '\x80';
+  while (bytes.size() % block_bytes != block_bytes - sizeof bit_count) bytes += '\0';
+  for (unsigned shift = 64; shift > 0; shift -= 8) bytes += static_cast<char>(bit_count >> (shift - 8));
+  std::array<std::uint32_t, 8> state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                                        0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  for (std::size_t at = 0; at < bytes.size(); at += block_bytes) take_block(state, bytes.data() + at);
+  std::string text;
+  for (const std::uint32_t word : state) text += fmt::format("{:08x}", word);
+  return text;
 }
 
 }  // namespace limber::program

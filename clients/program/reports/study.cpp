@@ -10,7 +10,7 @@
 
 #include "command/text.h"
 #include "formats/position_frames.h"
-#include "reports/distance_report.h"
+#include "limber/contacts.h"
 #include "reports/page_data.h"
 #include "reports/page_template.h"
 
@@ -24,11 +24,21 @@ constexpr std::array row_names = {"a",       "b",        "status",       "lower"
                                   "witness", "clash",    "solids",       "too_close", "inside",
                                   "depth",   "accepted", "intersecting", "query_us",  "row"};
 
-/// Both points, then triangles and faces: of a, of b.
-Json json_of_witness(const std::optional<FoundWitness>& witness) {
-  if (!witness) return nullptr;
-  const auto& [a, b, triangle_a, triangle_b] = witness->witness;
-  return {a.x, a.y, a.z, b.x, b.y, b.z, triangle_a, triangle_b, witness->face_a, witness->face_b};
+constexpr std::array kind_names = {"pair", "pairs", "parts"};
+
+/// The triangles of each model that intersect the other, in the order of their ids.
+std::array<std::vector<TriangleId>, 2> intersecting_triangles_of(const Placed& a, const Placed& b) {
+  std::array<std::vector<TriangleId>, 2> ids;
+  visit_intersections(a, b, [&](const TrianglePair& pair) {
+    ids[0].push_back(pair.a);
+    ids[1].push_back(pair.b);
+    return true;
+  });
+  for (std::vector<TriangleId>& of_side : ids) {
+    std::sort(of_side.begin(), of_side.end());
+    of_side.erase(std::unique(of_side.begin(), of_side.end()), of_side.end());
+  }
+  return ids;
 }
 
 Json json_of_model(const std::string& file, const RigidModel& model) {
@@ -68,7 +78,7 @@ void Study::add(std::size_t number, const PartPair& pair, const DistanceAnswer& 
   json["accepted"] = program::to_json(accepted);
   json["a"] = pair[0];
   json["b"] = pair[1];
-  json["witness"] = json_of_witness(answer.witness);
+  json["witness"] = flat_witness(answer.witness);
   json["intersecting"] =
       answer.result.status == DistanceStatus::collision ? intersecting_triangles(pair) : Json(nullptr);
   json["query_us"] = answer.elapsed_us;
@@ -84,11 +94,10 @@ void Study::keep_worst() {
 }
 
 Json Study::intersecting_triangles(const PartPair& pair) {
-  const auto& [a, b] = pair;
-  const IntersectingTriangles found = intersecting_triangles_of({parts_[a].model->in_fast_engine(), parts_[a].pose},
-                                                                {parts_[b].model->in_fast_engine(), parts_[b].pose});
-  std::array<std::string, 2> texts = {increasing_ids(found.a), increasing_ids(found.b)};
+  const auto found = intersecting_triangles_of(parts_[pair[0]].placed(), parts_[pair[1]].placed());
+  std::array<std::string, 2> texts = {increasing_ids(found[0]), increasing_ids(found[1])};
   const std::size_t byte_count = texts[0].size() + texts[1].size();
+  if (kind_ == StudyKind::pair) return texts;
   if (byte_count > most_triangle_bytes_of_row || triangle_bytes_ + byte_count > most_triangle_bytes) return nullptr;
   triangle_bytes_ += byte_count;
   return texts;
@@ -101,41 +110,33 @@ Json Study::to_json() {
   std::sort(places.begin(), places.end(),
             [&](std::size_t i, std::size_t j) { return rows_[i].first.back() < rows_[j].first.back(); });
   Json rows, worst_first = std::vector<std::size_t>(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) worst_first[places[i]] = i;
-  for (const char* const name : row_names) {
-    rows[name] = Json::array();
-    for (const std::size_t place : places) rows[name].push_back(std::move(rows_[place].second[name]));
+  for (const char* const name : row_names) rows[name] = Json::array();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    worst_first[places[i]] = i;
+    append_row(rows, std::move(rows_[places[i]].second), row_names);
   }
   std::vector<const RigidModel*> models;
-  Json names = Json::array(), files = Json::array(), numbers = Json::array(), json_of_models = Json::array();
-  std::vector<Transform> poses;
+  Json json = {{"kind", kind_names.at(static_cast<std::size_t>(kind_))}};
+  json.update(settings_of(question_.options, question_.min_clearance));
+  json.update({{"tolerance", question_.tolerances.overlap},
+               {"mesh_error", question_.tolerances.mesh_error},
+               {"counts", counts_},
+               {"accepted", accepted_},
+               {"too_close", too_close_},
+               {"worst_first", worst_first},
+               {"rows", rows}});
   for (const StudyPart& part : parts_) {
     const auto found = std::find(models.begin(), models.end(), part.model);
-    numbers.push_back(found - models.begin());
+    const auto number = found - models.begin();
     if (found == models.end()) {
       models.push_back(part.model);
-      json_of_models.push_back(json_of_model(part.file, *part.model));
+      json["models"].push_back(json_of_model(part.file, *part.model));
     }
-    names.push_back(part.name);
-    files.push_back(part.file);
-    poses.push_back(part.pose);
+    const Transform pose[] = {part.pose};
+    append_row(json["parts"],
+               {{"name", part.name}, {"file", part.file}, {"model", number}, {"poses", poses_json(pose)}}, part_names);
   }
-  const DistanceOptions& options = question_.options;
-  return {{"study",
-           {{"kind", kind_ == StudyKind::pairs ? "pairs" : "parts"},
-            {"min_clearance", program::to_json(question_.min_clearance)},
-            {"max_distance", std::isfinite(options.max_distance) ? Json(options.max_distance) : Json(nullptr)},
-            {"relative_error", options.relative_error},
-            {"absolute_error", options.absolute_error},
-            {"parts", {{"name", names}, {"file", files}, {"model", numbers}, {"poses", poses_json(poses)}}},
-            {"tolerance", question_.tolerances.overlap},
-            {"mesh_error", question_.tolerances.mesh_error},
-            {"counts", counts_},
-            {"accepted", accepted_},
-            {"too_close", too_close_},
-            {"worst_first", worst_first},
-            {"rows", rows}}},
-          {"models", json_of_models}};
+  return json;
 }
 
 }  // namespace limber::program

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "answers/answers.h"
+#include "answers/models.h"
 #include "command/output.h"
-#include "verbs/answers.h"
-#include "verbs/models.h"
 
-/// The page of `limber distance --pairs --report` and `limber distance --parts --report`.
+/// The page of `limber distance --report`, `--pairs --report` and `--parts --report`.
 namespace limber::program {
 
 /// A model where it stands. The model must outlive it.
@@ -30,6 +30,7 @@ using PartPair = std::array<std::size_t, 2>;
 
 /// Whose pairs a study is about.
 enum class StudyKind {
+  pair,   ///< one pair alone
   pairs,  ///< those of a list, such as one pair of models in many poses
   parts,  ///< all pairs of parts that stand together
 };

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "formats/scenes.h"
 #include "run_program.h"
-#include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {
@@ -26,8 +26,8 @@ const std::string not_negative = "must be a finite number >= 0";
 TEST(ProgramBadInput, VerbsAndOptions) {
   expect_all_refused(
       "", {{"",
-            "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, bench, "
-            "demo, help, version"},
+            "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, demo, "
+            "help, version"},
            {"measure", "'measure' is no verb; there are info, distance, collide, within"},
            {"--jason", "'--jason' is no option"},
            {"--json distance " + two_balls, "distance: '--json' stands before the verb"},
@@ -46,8 +46,7 @@ TEST(ProgramBadInput, VerbsAndOptions) {
                       {"--out x.csv", "--out: belongs to --pairs"},
                       {"--distance-error 1", "--distance-error: belongs to --path-a and --path-b"},
                       {"--relative-error", "--relative-error"},
-                      {"--relative-error 1 --relative-error 2", "--relative-error"},
-                      {"--engine quick", "--engine: must be one of fast|classic|reference, not 'quick'"}});
+                      {"--relative-error 1 --relative-error 2", "--relative-error"}});
   expect_refused("distance --pairs x.csv --pose-b 0,0,0,1,0,0,0", "--pairs: leaves no room for --pose-b");
 }
 
@@ -87,7 +86,6 @@ TEST(ProgramBadInput, QuestionsAboutMotion) {
                        {{"--path-a " + one, "one.csv has one pose, and a path two or more"},
                         {"--path-a " + two + " --path-b " + three, "--path-a has 2 poses, but --path-b has 3"},
                         {"--path-b " + folder.path("missing.csv"), "missing.csv"},
-                        {"--path-b " + two + " --engine classic", "--path-b: belongs to --engine fast"},
                         {"--path-a " + two + " --pose-a 0,0,0,1,0,0,0", "--path-a"}});
   }
   for (const std::string option :
@@ -108,13 +106,14 @@ TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
                           {"--versoin", "'--versoin' is no option, did you mean --version?"},
                           // Even where the slip leaves something else missing.
                           {"track --a scene:ball --bb scene:ball", "track: '--bb' is no option"}});
-  expect_all_refused("distance " + two_balls,
-                     {{"--relativ-eror 0.1", "'--relativ-eror' is no option, did you mean --relative-error?"},
-                      {"--relative-eror=0.1", "'--relative-eror' is no option, did you mean --relative-error?"},
-                      {"--max-dist 1", "did you mean --max-distance?"},
-                      {"-json", "'-json' is no option, did you mean --json?"},
-                      {"--fast --engin fast -x",
-                       "'--fast' is no option; '--engin' is no option, did you mean --engine?; '-x' is no option\n"}});
+  expect_all_refused(
+      "distance " + two_balls,
+      {{"--relativ-eror 0.1", "'--relativ-eror' is no option, did you mean --relative-error?"},
+       {"--relative-eror=0.1", "'--relative-eror' is no option, did you mean --relative-error?"},
+       {"--max-dist 1", "did you mean --max-distance?"},
+       {"-json", "'-json' is no option, did you mean --json?"},
+       {"--fast --relativ 1 -x",
+        "'--fast' is no option; '--relativ' is no option, did you mean --relative-error?; '-x' is no option\n"}});
 }
 
 TEST(ProgramBadInput, Numbers) {
@@ -211,7 +210,6 @@ TEST(ProgramBadInput, FilesOfPoses) {
                         {header + "\n0,0,3,1,0,0\n", "line 2: has 6 fields, but the header has 7"},
                         {"0,0,3,1,0,0,\"0\n", "line 1: a quote is not closed"},
                         {"0,0,3,1,0,0,\"0\"1\n", "line 1: no comma follows a field in quotes"},
-                        {"0 0 3 1 0 0 0\n0 0 4 1 0 0 0\n", "line 1: a pose is 7 numbers"},
                         {"\n0,0,3,1,0,0,0" + std::string(20000, ' ') + "\n", "line 2: is longer than"},
                         {"0,0,3,1,0,0,\x1b[31m\n", "line 1: qz: '?[31m' is not a number"}});
 }
@@ -226,12 +224,9 @@ TEST(ProgramBadInput, FilesOfPairs) {
       {{"", "is empty"},
        {header, "has no pair"},
        {"scene:ball,scene:ball\n", "line 1: there is no column model_a; the first row names the columns"},
-       {"a.obj;b.obj\nc.obj;d.obj\n", "line 1: fields are separated by commas"},
        {"model_a,modelb\n", "line 1: no column is called 'modelb'; did you mean model_b?"},
        {"model_a,model_b,pose_b_t\n", "line 1: no column is called 'pose_b_t'; did you mean pose_b_tx?"},
-       {"model_a,model_b,model_a\n", "line 1: column model_a comes twice"},
        {"model_a\n", "line 1: there is no column model_b"},
-       {two + "scene:ball,scene:ball\n", "line 3: has 2 fields, but the header has 7"},
        {two + ",scene:ball,1,1,0,0,0\n", "line 3: column model_a: is empty"},
        {two + "scene:ball,scene:cube,1,1,0,0,0\n", "line 3: column model_b: scene:cube: no scene"},
        {two + "scene:ball,no.obj,1,1,0,0,0\n", "line 3: column model_b: no.obj: "},
@@ -247,7 +242,6 @@ TEST(ProgramBadInput, FilesOfPairs) {
 TEST(ProgramBadInput, FilesOfPoints) {
   expect_files_refused("points scene:ball ", "points.csv",
                        {{"", "has no point"},
-                        {"x,y,z\n", "has no point"},
                         {"x,y\n1,2\n", "line 1: there is no column z"},
                         {"0,0,0\n1,2\n", "line 2: a point is 3 numbers x,y,z, not 2"},
                         {"x,y,z\n0,0,0\n1,2,a\n", "line 3: column z: 'a' is not a number"},

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact_meshes.h"
 #include "page_decoding.h"
 #include "run_program.h"
 
@@ -23,40 +24,12 @@ struct LatticeBox {
   std::array<int, 3> low{}, high{};
 };
 
-/// A mesh that is put together from boxes.
-struct Boxes {
-  std::vector<Vec3> positions;
-  std::vector<Corners> triangles;
-
-  /// The faces of a cavity run the other way round.
-  Boxes& add(const LatticeBox& box, bool is_cavity = false) {
-    const auto first = static_cast<VertexId>(positions.size());
-    for (int i = 0; i < 8; ++i) {
-      Vec3& p = positions.emplace_back();
-      for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = (i >> axis & 1) != 0 ? box.high[axis] : box.low[axis];
-    }
-    for (Corners c : std::vector<Corners>{{0, 2, 1},
-                                          {1, 2, 3},
-                                          {0, 1, 4},
-                                          {1, 5, 4},
-                                          {2, 6, 3},
-                                          {3, 6, 7},
-                                          {0, 4, 2},
-                                          {2, 4, 6},
-                                          {1, 3, 5},
-                                          {3, 7, 5},
-                                          {4, 5, 6},
-                                          {5, 7, 6}}) {
-      if (is_cavity) std::swap(c[1], c[2]);
-      triangles.push_back({c[0] + first, c[1] + first, c[2] + first});
-    }
-    return *this;
-  }
-  MeshView view() const { return {positions, triangles}; }
-};
+Vec3 point_at(const std::array<int, 3>& corner) {
+  return {static_cast<double>(corner[0]), static_cast<double>(corner[1]), static_cast<double>(corner[2])};
+}
 
 std::string stored(const Folder& folder, const std::string& name, const LatticeBox& box) {
-  return folder.store(name, Boxes().add(box).view());
+  return Parts().add_box(point_at(box.low), point_at(box.high)).stored(folder, name);
 }
 
 /// The words for two boxes, by their intervals on each axis.
@@ -98,55 +71,51 @@ TEST(ProgramClash, OfBoxesOnALatticeIsThatOfTheirIntervals) {
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     for (std::size_t j = 0; j < boxes.size(); ++j) pairs += file(i) + ',' + file(j) + '\n';
   }
-  for (const std::string engine : {"fast", "classic", "reference"}) {
-    const Outcome outcome =
-        run("distance --min-clearance 1.5 --engine " + engine + " --pairs " + folder.store("pairs.csv", pairs));
-    const std::vector<Row> rows = table_of(outcome.out);
-    ASSERT_EQ(rows.size(), boxes.size() * boxes.size());
-    std::map<std::string, int> counts;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const Expected expected = expected_of(boxes[r / boxes.size()], boxes[r % boxes.size()], 1.5);
-      EXPECT_EQ(rows[r].at("clash"), expected.clash) << engine << ' ' << r;
-      EXPECT_EQ(rows[r].at("solids"), expected.solids) << engine << ' ' << r;
-      EXPECT_EQ(rows[r].at("too_close"), expected.clash == "clear" ? "false" : "true") << engine << ' ' << r;
-      ++counts[expected.clash + ' ' + expected.solids];
-    }
-    EXPECT_EQ(counts.size(), 7U);
+  const std::vector<Row> rows =
+      table_of(run("distance --min-clearance 1.5 --pairs " + folder.store("pairs.csv", pairs)).out);
+  ASSERT_EQ(rows.size(), boxes.size() * boxes.size());
+  std::map<std::string, int> counts;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Expected expected = expected_of(boxes[r / boxes.size()], boxes[r % boxes.size()], 1.5);
+    EXPECT_EQ(rows[r].at("clash"), expected.clash) << r;
+    EXPECT_EQ(rows[r].at("solids"), expected.solids) << r;
+    EXPECT_EQ(rows[r].at("too_close"), expected.clash == "clear" ? "false" : "true") << r;
+    ++counts[expected.clash + ' ' + expected.solids];
   }
+  EXPECT_EQ(counts.size(), 7U);
 }
 
 TEST(ProgramClash, NamesTheModelThatIsEnclosed) {
   const Folder folder;
   const std::string wall = stored(folder, "wall.obj", {{0, 0, 0}, {4, 1, 3}});
   const std::string pipe = stored(folder, "pipe.obj", {{0, 0, 0}, {1, 1, 1}});
-  const auto clash_line = [&](const std::string& line) {
-    for (const std::string& found : lines_of(run("distance " + line).out)) {
-      if (found.starts_with("clash")) return found;
-    }
-    return std::string();
-  };
   const std::string both = wall + ' ' + pipe;
-  EXPECT_EQ(clash_line(both + " --pose-b 1,0,1,1,0,0,0"), "clash     hard clash: B is enclosed in A");
-  EXPECT_EQ(clash_line(pipe + ' ' + wall + " --pose-a 1,0,1,1,0,0,0"), "clash     hard clash: A is enclosed in B");
-  EXPECT_EQ(clash_line(both + " --pose-b 1,-0.5,1,1,0,0,0"), "clash     hard clash");
-  EXPECT_EQ(clash_line(wall + ' ' + wall), "clash     hard clash: both volumes are equal");
-  EXPECT_EQ(clash_line(both + " --pose-b 1,1,1,1,0,0,0"), "clash     touching");
-  EXPECT_EQ(clash_line(both + " --pose-b 1,2,1,1,0,0,0"), "clash     clear");
-  EXPECT_EQ(clash_line(both + " --pose-b 1,2,1,1,0,0,0 --min-clearance 1.25"), "clash     clearance");
+  for (const auto& [question, clash] : std::vector<std::pair<std::string, std::string>>{
+           {both + " --pose-b 1,0,1,1,0,0,0", "hard clash: B is enclosed in A"},
+           {pipe + ' ' + wall + " --pose-a 1,0,1,1,0,0,0", "hard clash: A is enclosed in B"},
+           {both + " --pose-b 1,-0.5,1,1,0,0,0", "hard clash"},
+           {wall + ' ' + wall, "hard clash: both volumes are equal"},
+           {both + " --pose-b 1,1,1,1,0,0,0", "touching"},
+           {both + " --pose-b 1,2,1,1,0,0,0", "clear"},
+           {both + " --pose-b 1,2,1,1,0,0,0 --min-clearance 1.25", "clearance"}}) {
+    EXPECT_NE(run("distance " + question).out.find("\nclash     " + clash + '\n'), std::string::npos) << question;
+  }
 }
 
 TEST(ProgramClash, PartsInCavitiesAreClear) {
   const Folder folder;
-  const Boxes hollow = Boxes().add({{0, 0, 0}, {9, 9, 9}}).add({{2, 2, 2}, {7, 7, 7}}, true);
-  const std::string start = "distance " + folder.store("hollow.obj", hollow.view()) + ' ' +
+  const Parts hollow = Parts().add_box({0, 0, 0}, {9, 9, 9}).add_box({2, 2, 2}, {7, 7, 7}).turn(12);
+  const std::string start = "distance " + hollow.stored(folder, "hollow.obj") + ' ' +
                             stored(folder, "part.obj", {{0, 0, 0}, {1, 1, 1}}) + " --pose-b ";
-  EXPECT_EQ(json_of(start + "4,4,4,1,0,0,0")["clash"], "clear");
-  EXPECT_EQ(json_of(start + "2,4,4,1,0,0,0")["clash"], "touching");
-  EXPECT_EQ(json_of(start + "1,4,4,1,0,0,0")["solids"], "b_inside_a");
-  EXPECT_EQ(json_of(start + "1.5,4,4,1,0,0,0")["solids"], "overlapping");
-  EXPECT_EQ(json_of(start + "1,4,4,1,0,0,0")["depth"], 1);
-  EXPECT_EQ(json_of(start + "1.5,4,4,1,0,0,0")["depth"], 0.5);
-  EXPECT_TRUE(json_of(start + "2,4,4,1,0,0,0")["depth"].is_null());
+  for (const auto& [x, clash, solids, depth] : {std::tuple{"4", "clear", "apart", 0.0},
+                                                {"2", "touching", "touching", 0.0},
+                                                {"1", "hard_clash", "b_inside_a", 1.0},
+                                                {"1.5", "hard_clash", "overlapping", 0.5}}) {
+    const nlohmann::json json = json_of(start + x + ",4,4,1,0,0,0");
+    EXPECT_EQ(json["clash"], clash);
+    EXPECT_EQ(json["solids"], solids);
+    EXPECT_EQ(json["depth"], depth > 0 ? nlohmann::json(depth) : nlohmann::json());
+  }
   EXPECT_NE(answer_to(start + "1.5,4,4,1,0,0,0").find("\nclash     hard clash\ndepth     at least 0.5\n"),
             std::string::npos);
 }
@@ -154,11 +123,11 @@ TEST(ProgramClash, PartsInCavitiesAreClear) {
 TEST(ProgramClash, IsWhatSurfacesTellWhereAModelIsOpen) {
   const Folder folder;
   const std::string box = stored(folder, "box.obj", {{0, 0, 0}, {9, 9, 9}});
-  Boxes open = Boxes().add({{0, 0, 0}, {2, 2, 2}});
+  Parts open = Parts().add_box({0, 0, 0}, {2, 2, 2});
   open.triangles.pop_back();
-  const std::string bowl = folder.store("bowl.obj", open.view());
+  const std::string bowl = open.stored(folder, "bowl.obj");
   const auto clash = [&](const std::string& line) {
-    const nlohmann::json json = nlohmann::json::parse(run("distance --json " + line).out);
+    const nlohmann::json json = object_of("distance " + line);
     EXPECT_TRUE(json["solids"].is_null());
     return json["clash"].get<std::string>();
   };
@@ -182,8 +151,8 @@ TEST(ProgramClash, HardClashesAreFoundWhereverTheirSurfacesAre) {
 
 TEST(ProgramClash, IsInTheReportAndNotAskedOfPaths) {
   const Report report("distance scene:ball scene:ball --pose-b 0.5,0,0,1,0,0,0");
-  EXPECT_EQ(report.data["clash"], "hard_clash");
-  EXPECT_EQ(report.data["solids"], "overlapping");
+  EXPECT_EQ(report.data["rows"]["clash"][0], "hard_clash");
+  EXPECT_EQ(report.data["rows"]["solids"][0], "overlapping");
   const Folder folder;
   const std::string path = folder.store("path.csv", "5,0,0,1,0,0,0\n3,0,0,1,0,0,0\n");
   const nlohmann::json json = json_of("distance scene:ball scene:ball --path-a " + path);

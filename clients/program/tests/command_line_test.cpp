@@ -11,7 +11,7 @@ namespace limber::program_tests {
 namespace {
 
 const Words verbs = {"info",   "distance", "collide", "within", "contacts", "self",
-                     "points", "track",    "bench",   "demo",   "help",     "version"};
+                     "points", "track",    "demo",    "help",   "version"};
 
 TEST(ProgramHelp, IsTheSameWhicheverWayItIsAskedFor) {
   const std::string help = answer_to("--help");
@@ -62,60 +62,6 @@ TEST(ProgramVersion, IsTheSameWhicheverWayItIsAskedFor) {
   EXPECT_EQ(version.find("limber "), 0U) << version;
   EXPECT_EQ(lines_of(version).size(), 1U);
   for (const std::string option : {"--version", "-v", "-V"}) EXPECT_EQ(answer_to(option), version) << option;
-}
-
-TEST(ProgramExitCode, TellsTheAnswerOnlyWhereItIsAskedFor) {
-  const auto ask = [](const std::string& verb, const std::string& options) {
-    const Outcome outcome = run(verb + " scene:ball scene:square " + options);
-    EXPECT_EQ(outcome.err, "");
-    EXPECT_NE(outcome.out, "");
-    return outcome.exit_code;
-  };
-  const std::string apart = "--pose-a 0,0,3,1,0,0,0 ";  // by 2
-  EXPECT_EQ(ask("collide", ""), 0);
-  EXPECT_EQ(ask("collide", "--exit-code"), 3);
-  EXPECT_EQ(ask("collide", "--exit-code --json"), 3);
-  EXPECT_EQ(ask("collide", apart + "--exit-code"), 0);
-  EXPECT_EQ(ask("within", apart + "--max-distance 2"), 0);
-  EXPECT_EQ(ask("within", apart + "--max-distance 2 --exit-code"), 3);
-  EXPECT_EQ(ask("within", apart + "--max-distance 1.9 --exit-code"), 0);
-  EXPECT_EQ(ask("distance", apart + "--max-distance 2 --exit-code"), 3);
-  EXPECT_EQ(ask("distance", apart + "--max-distance 1.9 --exit-code"), 0);
-  EXPECT_EQ(ask("distance", apart + "--min-clearance 2.1"), 3);
-  EXPECT_EQ(ask("distance", apart + "--min-clearance 2"), 0);  // as far as asked for
-  EXPECT_EQ(ask("distance", apart + "--min-clearance 2 --max-distance 2"), 0);
-  EXPECT_EQ(ask("contacts", "--intersections"), 0);
-  EXPECT_EQ(ask("contacts", "--intersections --exit-code"), 3);
-  EXPECT_EQ(ask("contacts", "--margin 0 --exit-code --json --max-count 0"), 3);
-  EXPECT_EQ(ask("contacts", apart + "--intersections --exit-code"), 0);
-  EXPECT_EQ(ask("contacts", apart + "--margin 1.9 --exit-code"), 0);
-  EXPECT_EQ(ask("contacts", apart + "--margin 2.1 --exit-code"), 3);
-  EXPECT_EQ(ask("contacts", apart + "--closest 1 --exit-code"), 3);
-  EXPECT_EQ(run("collide scene:ball missing.obj --exit-code").exit_code, 2);
-}
-
-TEST(ProgramClearance, IsDecidedExactlyWhateverTheErrors) {
-  const std::string question = "distance scene:ball scene:square --pose-a 0.1,0.2,3,1,0,0,0 ";
-  EXPECT_TRUE(json_of(question)["too_close"].is_null());
-  const auto ask = [&](const std::string& clearance, const std::string& options) {
-    const Outcome outcome = run(question + "--json --min-clearance " + clearance + options);
-    nlohmann::json answer = json_lines_of(outcome).at(0);
-    EXPECT_EQ(outcome.exit_code, answer["too_close"] == true ? 3 : 0);
-    return answer;
-  };
-  const std::string upper = ask("1", "")["upper"].dump();
-  const std::string above = std::to_string(number(upper) + 1e-3), below = std::to_string(number(upper) - 1e-3);
-  for (const std::string errors :
-       {"", " --relative-error 1", " --absolute-error 5", " --relative-error 1 --max-distance 7"}) {
-    EXPECT_EQ(ask(above, errors)["too_close"], true);
-    EXPECT_EQ(ask(below, errors)["too_close"], false);
-    EXPECT_EQ(ask(upper, errors)["too_close"], false);
-  }
-  // Far from the clearance the errors save work: the answer stays an interval.
-  EXPECT_EQ(ask("0.1", " --relative-error 1")["status"], "within_error");
-  EXPECT_EQ(ask(below, " --relative-error 1")["status"], "exact");
-  EXPECT_NE(run(question + "--min-clearance 2.5").out.find("\nclearance below 2.5\n"), std::string::npos);
-  EXPECT_NE(run(question + "--min-clearance 1.5").out.find("\nclearance at least 1.5\n"), std::string::npos);
 }
 
 }  // namespace

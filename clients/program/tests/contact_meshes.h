@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "limber/mesh.h"
 #include "run_program.h"
-#include "scenes/scenes.h"
 
 /// Meshes that several tests ask about. Contacts of all but the soups are counted on paper.
 namespace limber::program_tests {
@@ -17,28 +17,50 @@ namespace limber::program_tests {
 /// x >= y.
 inline Mesh two_triangles() { return scenes::grid(1, 1, -1, -1, 2, 2); }
 
-/// The twelve triangles of a cube along the axes, two a face, the top last. The top is split along the diagonal
-/// from the corner of least x and y to that of most; the first triangle is where x >= y.
-inline Mesh cube(const Vec3& center, double half_side) {
+/// A mesh that is put together from parts.
+struct Parts {
   std::vector<Vec3> positions;
-  for (const double z : {-1.0, 1.0}) {
-    for (const double y : {-1.0, 1.0}) {
-      for (const double x : {-1.0, 1.0}) positions.push_back(center + half_side * Vec3{x, y, z});
-    }
+  std::vector<Corners> triangles;
+
+  Parts& add(MeshView part, double scale = 1, const Vec3& center = {}) {
+    const auto first = static_cast<VertexId>(positions.size());
+    for (const Vec3& p : part.positions) positions.push_back(center + scale * p);
+    for (const Corners& c : part.triangles) triangles.push_back({c[0] + first, c[1] + first, c[2] + first});
+    return *this;
   }
-  return Mesh::create(std::move(positions), {{0, 2, 3},
-                                             {0, 3, 1},
-                                             {0, 1, 5},
-                                             {0, 5, 4},
-                                             {1, 3, 7},
-                                             {1, 7, 5},
-                                             {3, 2, 6},
-                                             {3, 6, 7},
-                                             {2, 0, 4},
-                                             {2, 4, 6},
-                                             {4, 5, 7},
-                                             {4, 7, 6}})
-      .value();
+
+  /// Two triangles a face, the top last. The top is split along the diagonal from the corner of least x and y to that
+  /// of most; the first triangle is where x >= y.
+  Parts& add_box(const Vec3& low, const Vec3& high) {
+    std::vector<Vec3> corners;
+    for (const double z : {low.z, high.z}) {
+      for (const double y : {low.y, high.y}) {
+        for (const double x : {low.x, high.x}) corners.push_back({x, y, z});
+      }
+    }
+    const std::vector<Corners> sides = {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}, {1, 3, 7}, {1, 7, 5},
+                                        {3, 2, 6}, {3, 6, 7}, {2, 0, 4}, {2, 4, 6}, {4, 5, 7}, {4, 7, 6}};
+    return add({corners, sides});
+  }
+
+  Parts& add_ball(double radius, const Vec3& center = {}) { return add(scenes::ball(16, 8), radius, center); }
+
+  /// Turns the last triangles over, so that a part is a cavity.
+  Parts& turn(std::size_t count) {
+    for (std::size_t t = triangles.size() - count; t < triangles.size(); ++t)
+      std::swap(triangles[t][0], triangles[t][1]);
+    return *this;
+  }
+
+  std::string stored(const Folder& folder, const std::string& name) const {
+    return folder.store(name, MeshView{positions, triangles});
+  }
+};
+
+inline Mesh cube(const Vec3& center, double half_side) {
+  const Vec3 half{half_side, half_side, half_side};
+  Parts box = Parts().add_box(center - half, center + half);
+  return Mesh::create(std::move(box.positions), std::move(box.triangles)).value();
 }
 
 /// A strip of four squares along x, folded behind the second: the last square lies over the first, at height z_3 where

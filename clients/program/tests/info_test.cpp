@@ -17,21 +17,21 @@ TEST(ProgramInfo, CountsWhatAMeshIsMadeOf) {
                                         "f 1 2 3 4\nf 3 2 10\nf 1 3 5\nf 6 7 8\n");
   const nlohmann::json json = json_of("info " + file);
   EXPECT_EQ(json["query"], "info");
-  EXPECT_EQ(json["vertices"], 9);
-  EXPECT_EQ(json["triangles"], 5);
-  EXPECT_EQ(json["faces"], 4);
+  for (const auto& [key, count] : {std::pair{"vertices", 9},
+                                   {"triangles", 5},
+                                   {"faces", 4},
+                                   {"open_edges", 2 + 2 + 3},
+                                   {"non_manifold_edges", 1},
+                                   {"degenerate_triangles", 1},
+                                   {"duplicate_triangles", 1},
+                                   {"unreferenced_vertices", 1}}) {
+    EXPECT_EQ(json[key], count) << key;
+  }
   EXPECT_EQ(json["extent"]["low"], (std::vector<double>{0, 0, 0}));
   EXPECT_EQ(json["extent"]["high"], (std::vector<double>{7, 7, 7}));
   EXPECT_DOUBLE_EQ(json["extent"]["diagonal"].get<double>(), std::sqrt(147.0));
-  EXPECT_EQ(json["open_edges"], 2 + 2 + 3);
-  EXPECT_EQ(json["non_manifold_edges"], 1);
   EXPECT_EQ(json["closed"], false);
-  EXPECT_EQ(json["degenerate_triangles"], 1);
-  EXPECT_EQ(json["duplicate_triangles"], 1);
-  EXPECT_EQ(json["unreferenced_vertices"], 1);
-  EXPECT_EQ(json["tree"]["nodes"], 1);
-  EXPECT_EQ(json["tree"]["leaves"], 1);
-  EXPECT_EQ(json["tree"]["levels"], 1);
+  for (const char* const key : {"nodes", "leaves", "levels"}) EXPECT_EQ(json["tree"][key], 1) << key;
 }
 
 TEST(ProgramInfo, TellsOfEachPart) {

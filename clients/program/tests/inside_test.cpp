@@ -4,28 +4,11 @@
 
 #include <utility>
 
-#include "run_program.h"
-#include "scenes/scenes.h"
+#include "contact_meshes.h"
+#include "formats/scenes.h"
 
 namespace limber::program_tests {
 namespace {
-
-/// A mesh that is put together from balls and changed by hand.
-struct Soup {
-  std::vector<Vec3> positions;
-  std::vector<Corners> triangles;
-
-  Soup& add_ball(double radius, const Vec3& center) {
-    const Mesh ball = scenes::ball(16, 8);
-    const auto first = static_cast<VertexId>(positions.size());
-    for (const Vec3& p : ball.positions()) positions.push_back(center + radius * p);
-    for (const Corners& c : ball.triangles()) triangles.push_back({c[0] + first, c[1] + first, c[2] + first});
-    return *this;
-  }
-  std::string stored(const Folder& folder, const std::string& name) const {
-    return folder.store(name, MeshView{positions, triangles});
-  }
-};
 
 /// The field `inside` of a query; where it is not null, there is one line of warning.
 nlohmann::json inside_of(const std::string& line) {
@@ -40,18 +23,15 @@ nlohmann::json inside(const std::string& a, const std::string& b, const std::str
   return inside_of("distance " + a + ' ' + b + " --pose-b " + pose_b);
 }
 
-TEST(ProgramInside, IsToldByEveryVerbAndEveryEngine) {
+TEST(ProgramInside, IsToldByEveryVerb) {
   const Folder folder;
-  const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
+  const std::string shell = Parts().add_ball(5).stored(folder, "shell.obj");
   const std::string in_shell = " scene:ball " + shell, around_ball = ' ' + shell + " scene:ball";
-  for (const std::string engine : {"fast", "classic", "reference"}) {
-    for (const std::string verb : {"distance", "collide", "within --max-distance 0.01", "within --max-distance 7"}) {
-      const std::string line = verb + " --engine " + engine;
-      EXPECT_EQ(inside_of(line + around_ball + " --pose-b 3,0,0,1,2,3,4"), "b_inside_a");
-      EXPECT_EQ(inside_of(line + in_shell + " --pose-a 3,0,0,1,2,3,4"), "a_inside_b");
-      EXPECT_TRUE(inside_of(line + around_ball + " --pose-b 10,0,0,1,0,0,0").is_null());  // apart
-      EXPECT_TRUE(inside_of(line + around_ball + " --pose-b 3,3,0,1,0,0,0").is_null());   // touching
-    }
+  for (const std::string verb : {"distance", "collide", "within --max-distance 0.01", "within --max-distance 7"}) {
+    EXPECT_EQ(inside_of(verb + around_ball + " --pose-b 3,0,0,1,2,3,4"), "b_inside_a");
+    EXPECT_EQ(inside_of(verb + in_shell + " --pose-a 3,0,0,1,2,3,4"), "a_inside_b");
+    EXPECT_TRUE(inside_of(verb + around_ball + " --pose-b 10,0,0,1,0,0,0").is_null());  // apart
+    EXPECT_TRUE(inside_of(verb + around_ball + " --pose-b 3,3,0,1,0,0,0").is_null());   // touching
   }
   const Outcome outcome = run("collide" + around_ball);
   EXPECT_EQ(
@@ -63,8 +43,8 @@ TEST(ProgramInside, IsToldByEveryVerbAndEveryEngine) {
 
 TEST(ProgramInside, BoxesAreNotEnough) {
   const Folder folder;
-  const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
-  const std::string seed = Soup().add_ball(0.1, {}).stored(folder, "seed.obj");
+  const std::string shell = Parts().add_ball(5).stored(folder, "shell.obj");
+  const std::string seed = Parts().add_ball(0.1).stored(folder, "seed.obj");
   EXPECT_EQ(inside(shell, seed, "3,3,0,1,0,0,0"), "b_inside_a");
   EXPECT_TRUE(inside(shell, seed, "4.5,4.5,0,1,0,0,0").is_null());  // in a corner of the box
   // Nor is the box enough when both are turned and far away.
@@ -75,19 +55,19 @@ TEST(ProgramInside, BoxesAreNotEnough) {
 
 TEST(ProgramInside, OnlyClosedMeshesHaveAnInside) {
   const Folder folder;
-  Soup shell = Soup().add_ball(5, {});
+  Parts shell = Parts().add_ball(5);
   for (std::size_t t = 0; t < shell.triangles.size(); t += 3) std::swap(shell.triangles[t][0], shell.triangles[t][1]);
   EXPECT_EQ(inside(shell.stored(folder, "turned_over.obj"), "scene:ball"), "b_inside_a");
-  Soup open = shell;
+  Parts open = shell;
   open.triangles.pop_back();
   EXPECT_TRUE(inside(open.stored(folder, "open.obj"), "scene:ball").is_null());
-  Soup fin = shell;
+  Parts fin = shell;
   fin.positions.push_back({9, 9, 9});
   fin.triangles.push_back(
       {shell.triangles[0][0], shell.triangles[0][1], static_cast<VertexId>(shell.positions.size())});
   EXPECT_TRUE(inside(fin.stored(folder, "fin.obj"), "scene:ball").is_null());
   // A tetrahedron that shares an edge with the shell leaves no edge open, but four triangles at one.
-  Soup tent = shell;
+  Parts tent = shell;
   const VertexId u = shell.triangles[0][0], v = shell.triangles[0][1];
   const auto p = static_cast<VertexId>(shell.positions.size()), q = p + 1;
   tent.positions.insert(tent.positions.end(), {{9, 9, 9}, {9, 9, 8}});
@@ -100,14 +80,12 @@ TEST(ProgramInside, OnlyClosedMeshesHaveAnInside) {
 
 TEST(ProgramInside, CavitiesAndPartsCount) {
   const Folder folder;
-  const std::string seed = Soup().add_ball(0.1, {}).stored(folder, "seed.obj");
-  Soup hollow = Soup().add_ball(5, {}).add_ball(3, {});
+  const std::string seed = Parts().add_ball(0.1).stored(folder, "seed.obj");
+  Parts hollow = Parts().add_ball(5).add_ball(3);
   const std::string twice = hollow.stored(folder, "twice.obj");  // both balls have their inside
   for (const std::string verb : {"distance ", "collide "})
     EXPECT_EQ(inside_of(verb + twice + ' ' + seed), "b_inside_a");
-  for (std::size_t t = hollow.triangles.size() / 2; t < hollow.triangles.size(); ++t) {
-    std::swap(hollow.triangles[t][0], hollow.triangles[t][1]);
-  }
+  hollow.turn(hollow.triangles.size() / 2);
   const auto expect_cavity = [&](const std::string& file) {
     EXPECT_EQ(inside(file, seed, "4,0,0,1,0,0,0"), "b_inside_a");
     EXPECT_TRUE(inside(file, seed).is_null());
@@ -115,16 +93,16 @@ TEST(ProgramInside, CavitiesAndPartsCount) {
   expect_cavity(hollow.stored(folder, "hollow.obj"));
   std::swap(hollow.triangles[0][0], hollow.triangles[0][1]);  // no orientation: what is crossed an odd number of times
   expect_cavity(hollow.stored(folder, "turned_over.obj"));
-  const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
-  const std::string both = Soup().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {0, 3, 0}).stored(folder, "both.obj");
-  const std::string one = Soup().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {4.5, 4.5, 0}).stored(folder, "one.obj");
+  const std::string shell = Parts().add_ball(5).stored(folder, "shell.obj");
+  const std::string both = Parts().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {0, 3, 0}).stored(folder, "both.obj");
+  const std::string one = Parts().add_ball(0.1, {1, 0, 0}).add_ball(0.1, {4.5, 4.5, 0}).stored(folder, "one.obj");
   EXPECT_EQ(inside(shell, both), "b_inside_a");
   EXPECT_TRUE(inside(shell, one).is_null());
 }
 
 TEST(ProgramInside, RowsOfPairsTellItInAColumnAndOneWarning) {
   const Folder folder;
-  const std::string shell = Soup().add_ball(5, {}).stored(folder, "shell.obj");
+  const std::string shell = Parts().add_ball(5).stored(folder, "shell.obj");
   const std::string rows = shell + ",scene:ball,0\n" + "scene:ball," + shell + ",0\n" + shell + ",scene:ball,9\n";
   const Outcome outcome = run("distance --pairs " + folder.store("pairs.csv", "model_a,model_b,pose_b_tx\n" + rows));
   EXPECT_EQ(outcome.err,

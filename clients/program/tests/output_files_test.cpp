@@ -13,8 +13,8 @@
 #include <map>
 #include <random>
 
+#include "formats/scenes.h"
 #include "run_program.h"
-#include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {
@@ -86,7 +86,6 @@ TEST_F(ProgramOutputFiles, OfEveryVerbAreNoInputs) {
   expect_kept(of_pairs_, {pairs_, gltf_, buffer_, frame_});
   expect_kept(of_distance_, {ball_, gltf_, buffer_});
   expect_kept("distance scene:ball " + gltf_ + " --vertices-a ", {buffer_});
-  expect_kept("bench " + gltf_ + " --out ", {buffer_});
   expect_kept(of_contacts_, {ball_, gltf_, buffer_});
   expect_kept(of_self_, {gltf_, buffer_});
   expect_kept(of_points_, {gltf_, buffer_, points_});

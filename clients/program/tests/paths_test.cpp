@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Paths of rigid models, of `limber collide`, `within` and `distance`: times known on paper, and brute force at many
-// times.
+// Paths of rigid models, of `limber collide`, `within` and `distance`: times known on paper.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,9 +13,8 @@
 #include <vector>
 
 #include "contact_meshes.h"
+#include "formats/scenes.h"
 #include "run_program.h"
-#include "reference/reference.h"
-#include "scenes/scenes.h"
 
 namespace limber::program_tests {
 namespace {
@@ -99,86 +97,6 @@ TEST(ProgramPaths, NestingIsThatOfTheStart) {
     EXPECT_EQ(json_lines_of(outcome).at(0)["inside"], "a_inside_b") << verb;
     EXPECT_NE(outcome.err.find("A lies inside B"), std::string::npos) << verb;
   }
-}
-
-/// Poses at whole times, as numbers and quaternions of length 1.
-struct Knots {
-  std::vector<Vec3> at;
-  std::vector<std::array<double, 4>> turns;
-
-  explicit Knots(scenes::Rng& rng) {
-    for (int k = 0; k < 4; ++k) {
-      at.push_back({8 * rng.uniform() - 4, 8 * rng.uniform() - 4, 8 * rng.uniform() - 4});
-      std::array<double, 4>& turn = turns.emplace_back();
-      double squares = 0;
-      for (double& n : turn) n = rng.uniform() - 0.5, squares += n * n;
-      for (double& n : turn) n /= std::sqrt(squares);
-    }
-  }
-
-  std::string csv() const {
-    std::string text;
-    for (std::size_t k = 0; k < at.size(); ++k) {
-      for (const double n : {at[k].x, at[k].y, at[k].z, turns[k][0], turns[k][1], turns[k][2], turns[k][3]}) {
-        text += nlohmann::json(n).dump() + ',';
-      }
-      text.back() = '\n';
-    }
-    return text;
-  }
-
-  /// Linear in the translation, spherical linear in the quaternion.
-  Transform pose(double time) const {
-    const std::size_t k = std::min(static_cast<std::size_t>(time), at.size() - 2);
-    const double t = time - static_cast<double>(k);
-    double cosine = 0;
-    for (std::size_t i = 0; i < 4; ++i) cosine += turns[k][i] * turns[k + 1][i];
-    const double sign = cosine < 0 ? -1 : 1, angle = std::acos(std::min(1.0, sign * cosine));
-    std::array<double, 4> q{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      q[i] = std::sin((1 - t) * angle) * turns[k][i] + sign * std::sin(t * angle) * turns[k + 1][i];
-    }
-    return transform_from_quaternion((1 - t) * at[k] + t * at[k + 1], q[0], q[1], q[2], q[3]).value();
-  }
-};
-
-TEST(ProgramPaths, AnswersAreThoseOfManyTimes) {
-  int contacts = 0, clear = 0;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    SCOPED_TRACE(seed);
-    const Folder folder;
-    scenes::Rng rng(seed);
-    const Mesh mesh_a = scenes::random_soup(rng, 12, 0.5), mesh_b = scenes::random_soup(rng, 12, 0.5);
-    const Knots a(rng), b(rng);
-    const std::string words = folder.store("a.obj", mesh_a) + ' ' + folder.store("b.obj", mesh_b) + " --path-a " +
-                              folder.store("a.csv", a.csv()) + " --path-b " + folder.store("b.csv", b.csv());
-    const auto distance_at = [&](double time) {
-      return reference::distance({mesh_a, a.pose(time)}, {mesh_b, b.pose(time)}).upper;
-    };
-    constexpr double separation = 0.3, radii = 2 * 1.25 * std::numbers::sqrt3;
-    constexpr double error = 0x1p-20 * radii + 1e-12, error_of_least = 0x1p-10 * radii + 1e-12;
-    double least = std::numeric_limits<double>::infinity(), first = least;
-    for (int i = 0; i <= 600; ++i) {
-      const double time = 3 * i / 600.0, distance = distance_at(time);
-      least = std::min(least, distance);
-      if (distance <= separation) first = std::min(first, time);
-    }
-    const nlohmann::json nearest = json_of("distance " + words), near = json_of("within --max-distance 0.3 " + words);
-    EXPECT_LE(nearest["lower"].get<double>(), least + 1e-12);
-    EXPECT_LE(nearest["upper"].get<double>() - nearest["lower"].get<double>(), error_of_least);
-    EXPECT_NEAR(distance_at(nearest["path_time"]), nearest["upper"].get<double>(), error_of_least);
-    if (near["is_yes"] == false) {
-      ++clear;
-      EXPECT_GT(nearest["upper"], separation);
-      EXPECT_GT(first, 3);
-      continue;
-    }
-    ++contacts;
-    EXPECT_LE(near["path_time"].get<double>(), first);
-    EXPECT_LE(distance_at(near["path_time"]), separation + error);
-  }
-  EXPECT_GE(contacts, 3);
-  EXPECT_GE(clear, 3);
 }
 
 }  // namespace

@@ -8,12 +8,15 @@
 #include <string>
 #include <vector>
 
+#include "formats/scenes.h"
 #include "limber/mesh.h"
 
 /// Runs the built program as users do: a command line in; standard output, standard error and exit code out.
 ///
 /// Lines are those of a shell, without the name of the program.
 namespace limber::program_tests {
+
+namespace scenes = program::scenes;
 
 using Words = std::vector<std::string>;
 
@@ -33,6 +36,9 @@ std::string answer_to(const std::string& line);
 
 /// The one line of JSON that such a run prints; fails the test on anything else. The line is run with --json.
 nlohmann::json json_of(const std::string& line);
+
+/// The same, whatever the exit code and the warnings.
+nlohmann::json object_of(const std::string& line);
 
 /// The objects of an answer with one in each line, whatever the exit code.
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome);
@@ -58,7 +64,7 @@ using Row = std::map<std::string, std::string>;
 std::vector<Row> table_of(const std::string& csv);
 
 /// A row of CSV has the values of an object: cells of an array x, y, z start with its name, those of an object have the
-/// names of its values, and cells of null are empty.
+/// names of its values, and cells of null are empty. Times are those of other runs.
 void expect_same(const Row& row, const nlohmann::json& json, const std::string& prefix = {});
 
 /// A number as the program writes it.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "page_decoding.h"
@@ -54,14 +55,14 @@ TEST(ProgramTolerances, DecideWhatAPairIs) {
     const char *options, *clashes, *too_close;
     int exit_code;
   };
-  const std::string none = "- - - - - - - -";
+  const char* const none = "- - - - - - - -";
   for (const auto& [options, clashes, too_close, exit_code] : std::vector<Case>{
-           {"", "hard hard touch clear clear meet hard apart", "- - - - - - - -", 0},
-           {" --tolerance 0.0625", "hard hard touch clear clear meet hard apart", "- - - - - - - -", 0},
-           {" --tolerance 0.125", "hard touch touch clear clear meet hard apart", "- - - - - - - -", 0},
-           {" --mesh-error 0.0625", "hard ? ? clear clear ? hard ?", "- - - - - - - -", 0},
-           {" --mesh-error 0.0625 --tolerance 0.25", "hard touch touch clear clear ? hard ?", "- - - - - - - -", 0},
-           {" --mesh-error 0.125 --tolerance 0.25", "? ? touch touch clear ? ? ?", "- - - - - - - -", 0},
+           {"", "hard hard touch clear clear meet hard apart", none, 0},
+           {" --tolerance 0.0625", "hard hard touch clear clear meet hard apart", none, 0},
+           {" --tolerance 0.125", "hard touch touch clear clear meet hard apart", none, 0},
+           {" --mesh-error 0.0625", "hard ? ? clear clear ? hard ?", none, 0},
+           {" --mesh-error 0.0625 --tolerance 0.25", "hard touch touch clear clear ? hard ?", none, 0},
+           {" --mesh-error 0.125 --tolerance 0.25", "? ? touch touch clear ? ? ?", none, 0},
            {" --mesh-error 0.0625 --tolerance 0.25 --min-clearance 0.375", "hard touch touch ? clear ? hard ?",
             "true true true - false true true true", 3},
            {" --mesh-error 0.0625 --tolerance 0.25 --min-clearance 0.0625", "hard ? ? clear clear ? hard ?",
@@ -70,13 +71,10 @@ TEST(ProgramTolerances, DecideWhatAPairIs) {
     const Outcome outcome = run(line + options);
     std::string found, close;
     for (const Row& row : table_of(outcome.out)) {
-      const std::string clash = row.at("clash");
-      found += clash == "hard_clash"       ? "hard "
-               : clash == "touching"       ? "touch "
-               : clash == "cannot_tell"    ? "? "
-               : clash == "surfaces_meet"  ? "meet "
-               : clash == "surfaces_apart" ? "apart "
-                                           : clash + ' ';
+      static const std::map<std::string, std::string> words = {{"hard_clash", "hard"},    {"touching", "touch"},
+                                                               {"cannot_tell", "?"},      {"clear", "clear"},
+                                                               {"surfaces_meet", "meet"}, {"surfaces_apart", "apart"}};
+      found += words.at(row.at("clash")) + ' ';
       close += (row.at("too_close").empty() ? "-" : row.at("too_close")) + ' ';
     }
     EXPECT_EQ(found, clashes + std::string(" ")) << options;
@@ -143,11 +141,11 @@ TEST(ProgramTolerances, AcceptedPairsAreToldAndDoNotCount) {
     for (const Row& row : table_of(report.outcome.out)) {
       found += (row.at("accepted").empty() ? "-" : row.at("accepted")) + ' ';
     }
-    for (const auto& line : report.data["study"]["rows"]["accepted"]) {
+    for (const auto& line : report.data["rows"]["accepted"]) {
       in_page += (line.is_null() ? "-" : line.dump()) + ' ';
     }
     EXPECT_EQ(in_page, found);
-    return found + report.data["study"]["accepted"].dump() + ' ' + report.data["study"]["too_close"].dump();
+    return found + report.data["accepted"].dump() + ' ' + report.data["too_close"].dump();
   };
   // plate_1 touches bolt_a, is 0.5 from bolt_b; the bolts overlap.
   EXPECT_EQ(accepted_by("bolt_*,plate_?,\n", 3, ""), "2 - - - - - 1 2");

@@ -4,12 +4,11 @@
 #include <memory>
 #include <optional>
 
+#include "answers/answers.h"
 #include "command/options.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
-#include "verbs/answers.h"
-#include "verbs/clashes.h"
 
 /// The verbs collide and within: yes or no, and where.
 namespace limber::program {
@@ -28,19 +27,14 @@ struct CollideAnswer {
   std::optional<double> path_time = {};
 };
 
-CollideResult asked(const CollideArguments& arguments, const auto& a, const auto& b) {
-  return arguments.max_distance ? within(a, b, *arguments.max_distance) : collide(a, b);
-}
-
 CollideAnswer answer_to(const CollideArguments& arguments, const Pair& pair) {
-  if (!pair.path()) {
-    const auto [result, elapsed_us] =
-        ask(pair.a(), pair.b(), [&](const auto& a, const auto& b) { return asked(arguments, a, b); });
-    return {result, elapsed_us};
-  }
+  const std::optional<double>& limit = arguments.max_distance;
   const Stopwatch asking;
-  const PathImpact found =
-      pair.path()->first_impact(pair.a().model.fast(), pair.b().model.fast(), arguments.max_distance.value_or(0));
+  if (!pair.path()) {
+    const CollideResult result = limit ? within(pair.a(), pair.b(), *limit) : collide(pair.a(), pair.b());
+    return {result, asking.microseconds()};
+  }
+  const PathImpact found = pair.path()->first_impact(pair.a().model.model(), pair.b().model.model(), limit.value_or(0));
   const bool is_clear = found.status == ImpactStatus::clear;
   CollideAnswer answer{{is_clear ? Answer::no : Answer::yes, found.witness, found.stopped_by, found.stats},
                        asking.microseconds()};
@@ -51,10 +45,9 @@ CollideAnswer answer_to(const CollideArguments& arguments, const Pair& pair) {
 /// Models that are close enough may meet, and then none is inside the other.
 Nesting nesting_unless_they_meet(const CollideArguments& arguments, const CollideResult& result, const Pair& pair) {
   if (result.is_yes() && !arguments.max_distance) return Nesting::none;
-  const auto meet = [](const auto& a, const auto& b) { return collide(a, b).is_yes(); };
   const Nesting nesting = nesting_of(pair.a(), pair.b());
   const bool may_meet = result.is_yes() && nesting != Nesting::none;
-  return may_meet && ask(pair.a(), pair.b(), meet).answer ? Nesting::none : nesting;
+  return may_meet && collide(pair.a(), pair.b()).is_yes() ? Nesting::none : nesting;
 }
 
 /// How the volumes lie to each other, at the start of a path.

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "answers/answers.h"
+#include "answers/contact_answers.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
-#include "verbs/answers.h"
-#include "verbs/contact_answers.h"
 
 /// The verbs contacts and self: pairs of triangles of two models, or of one.
 namespace limber::program {
@@ -39,7 +39,7 @@ FoundContacts find(const ContactArguments& arguments, std::size_t room, std::uin
 }
 
 FoundContacts find(const ContactArguments& arguments, const Pair& pair, std::size_t room) {
-  const Placed a{pair.a().model.fast(), pair.a().pose}, b{pair.b().model.fast(), pair.b().pose};
+  const Placed a = pair.a(), b = pair.b();
   const std::uint64_t pair_count =
       std::uint64_t{a.model().mesh().triangles().size()} * b.model().mesh().triangles().size();
   FoundContacts found = find(
@@ -107,7 +107,7 @@ struct SelfAnswer {
 };
 
 SelfAnswer answer_to(const ContactArguments& arguments, const RigidModel& model, std::size_t room) {
-  const Model& tree = model.fast();
+  const Model& tree = model.model();
   const std::uint64_t triangle_count = tree.mesh().triangles().size();
   SelfAnswer answer;
   answer.found = find(
@@ -123,13 +123,12 @@ SelfAnswer answer_to(const ContactArguments& arguments, const RigidModel& model,
   answer.distance = self_distance(tree);
   answer.elapsed_us = rounded_us(answer.elapsed_us + asking.microseconds());
   answer.witness = with_faces(answer.distance->witness, model, model);
-  answer.stats.node_tests += answer.distance->stats.node_tests;
-  answer.stats.primitive_tests += answer.distance->stats.primitive_tests;
+  answer.stats += answer.distance->stats;
   return answer;
 }
 
 ExitCode run(const SelfArguments& arguments) {
-  const RigidModel model(load_mesh_argument(arguments.model), Engine::fast);
+  const RigidModel model(load_mesh_argument(arguments.model));
   ContactOutput output(arguments.contacts);
   const SelfAnswer answer = answer_to(arguments.contacts, model, output.room());
   const FoundContacts& found = answer.found;

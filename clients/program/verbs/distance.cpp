@@ -3,20 +3,113 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "answers/answers.h"
 #include "command/options.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
-#include "limber/distance.h"
+#include "limber/path.h"
+#include "limber/points.h"
 #include "reports/distance_report.h"
-#include "verbs/accepted_pairs.h"
-#include "verbs/answers.h"
 #include "verbs/distance_many.h"
-#include "verbs/models.h"
-#include "verbs/vertex_distances.h"
 
 namespace limber::program {
 namespace {
+
+/// `--vertices-a` and `--vertices-b`; empty where no file is asked for.
+struct VertexFiles {
+  std::string a, b;
+};
+
+/// The help about these files.
+constexpr const char* vertex_files_help = R"(
+--vertices-a writes how far each vertex of A is from the surface of B, and --vertices-b the same the other way round.
+A file .csv has the columns vertex, x, y, z and distance; vertices count from 0 in the mesh's order, at their places in
+the world. A file .ply is the placed mesh, with a property distance of each vertex.
+)";
+
+/// Opens both files, and writes them when it is told to.
+class VertexDistances {
+ public:
+  /// Errors   BadInput as OutputFile, and where a name ends in neither .csv nor .ply.
+  explicit VertexDistances(const VertexFiles& files);
+
+  /// Errors   OutputFailed; BadInput where a vertex as placed is above `max_coordinate`.
+  void write(const PlacedModel& a, const PlacedModel& b);
+
+ private:
+  VertexFiles files_;
+  std::optional<OutputFile> a_, b_;
+};
+
+constexpr const char *option_a = "--vertices-a", *option_b = "--vertices-b";
+
+bool is_ply(const std::string& path) { return path.ends_with(".ply"); }
+
+/// Opens the file that an option names, if it does.
+void open_file(std::optional<OutputFile>& file, const char* option, const std::string& path) {
+  if (path.empty()) return;
+  if (!is_ply(path) && !path.ends_with(".csv")) {
+    throw BadInput(fmt::format("{}: {} ends in neither .csv nor .ply", option, path));
+  }
+  file.emplace(option, path);
+}
+
+std::vector<Vec3> placed_vertices(const std::string& option, const PlacedModel& model) {
+  std::vector<Vec3> points;
+  points.reserve(model.model.mesh().positions().size());
+  for (const Vec3& p : model.model.mesh().positions()) {
+    points.push_back(model.pose(p));
+    if (max_abs(points.back()) <= max_coordinate) continue;
+    throw BadInput(option + ": a pose moves a vertex beyond the largest coordinate of points, 2^200");
+  }
+  return points;
+}
+
+std::string csv_text(const std::vector<Vec3>& points, const std::vector<PointResult>& found) {
+  std::string text = "vertex,x,y,z,distance\n";
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    text += fmt::format("{},{},{}\n", v, to_text(points[v], ","), to_text(found[v].closest->distance));
+  }
+  return text;
+}
+
+std::string ply_text(const Mesh& mesh, const std::vector<Vec3>& points, const std::vector<PointResult>& found) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+      "property double distance\nelement face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+      points.size(), mesh.triangles().size());
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    text += fmt::format("{} {}\n", to_text(points[v], " "), to_text(found[v].closest->distance));
+  }
+  for (const auto& [u, v, w] : mesh.triangles()) text += fmt::format("3 {} {} {}\n", u, v, w);
+  return text;
+}
+
+void add_vertex_files(CLI::App& command, VertexFiles& target) {
+  add_file(command, option_a, target.a, "FILE",
+           "also write the distances of A's vertices from B, to a file .csv or .ply");
+  add_file(command, option_b, target.b, "FILE", "also write the distances of B's vertices from A");
+}
+
+VertexDistances::VertexDistances(const VertexFiles& files) : files_(files) {
+  open_file(a_, option_a, files.a);
+  open_file(b_, option_b, files.b);
+}
+
+void VertexDistances::write(const PlacedModel& a, const PlacedModel& b) {
+  const auto text = [](const char* option, const std::string& path, const PlacedModel& of, const PlacedModel& from) {
+    const std::vector<Vec3> points = placed_vertices(option, of);
+    std::vector<PointResult> found(points.size());
+    closest_point_many({from.model.model(), from.pose}, points, found);
+    return is_ply(path) ? ply_text(of.model.mesh(), points, found) : csv_text(points, found);
+  };
+  if (a_) a_->write(text(option_a, files_.a, a, b));
+  if (b_) b_->write(text(option_b, files_.b, b, a));
+}
 
 struct DistanceArguments {
   PairArguments pair;
@@ -36,7 +129,7 @@ DistanceQuestion question_of(const DistanceArguments& arguments) {
 /// The least distance on a path.
 DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<double> distance_error) {
   const Stopwatch asking;
-  const PathDistance found = path.min_distance(pair.a().model.fast(), pair.b().model.fast(), distance_error);
+  const PathDistance found = path.min_distance(pair.a().model.model(), pair.b().model.model(), distance_error);
   DistanceAnswer answer;
   answer.elapsed_us = asking.microseconds();
   answer.path_time = found.time;
@@ -81,9 +174,9 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
 
 ExitCode run(const DistanceArguments& arguments) {
   if (arguments.pairs.empty() && arguments.parts.empty()) return answer_pair(arguments);
-  return answer_pairs({arguments.pairs, arguments.parts, arguments.accept, arguments.out, arguments.pair.json,
-                       arguments.pair.engine, arguments.report},
-                      question_of(arguments));
+  return answer_pairs(
+      {arguments.pairs, arguments.parts, arguments.accept, arguments.out, arguments.pair.json, arguments.report},
+      question_of(arguments));
 }
 
 constexpr const char* help_text = R"(
@@ -198,33 +291,22 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   add_number(command, "--mesh-error", arguments->tolerances.mesh_error, not_negative,
              "how far each mesh is from the part that it stands for at most; a pair is off by twice that")
       ->type_name("LENGTH");
-  command
-      .add_option("--pairs", arguments->pairs,
-                  "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with "
-                  "--json an object for each row")
-      ->type_name("CSV");
-  command
-      .add_option(
-          "--parts", arguments->parts,
-          "instead of A and B: a CSV file with a part of an assembly in each row, or one mesh file whose nodes, "
-          "objects, groups or solids are the parts; the answer is that of all pairs of parts")
-      ->type_name("FILE");
-  command
-      .add_option("--accept", arguments->accept,
-                  "with --pairs and --parts: a CSV file of pairs that may touch, or overlap")
-      ->type_name("CSV");
-  command
-      .add_option("--out", arguments->out,
-                  "with --pairs and --parts: where the answer is written, - for standard output")
-      ->type_name("FILE")
-      ->capture_default_str();
+  add_file(command, "--pairs", arguments->pairs, "CSV",
+           "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with --json an "
+           "object for each row");
+  add_file(command, "--parts", arguments->parts, "FILE",
+           "instead of A and B: a CSV file with a part of an assembly in each row, or one mesh file whose nodes, "
+           "objects, groups or solids are the parts; the answer is that of all pairs of parts");
+  add_file(command, "--accept", arguments->accept, "CSV",
+           "with --pairs and --parts: a CSV file of pairs that may touch, or overlap");
+  add_out(command, arguments->out, "with --pairs and --parts: ");
   add_report(command, arguments->report,
              "also write a page that shows the answer: both meshes, a section, their distance in colours; or all "
              "pairs, the worst first");
   add_vertex_files(command, arguments->vertices);
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
   command.footer(std::string(help_text) + clash_help + tolerances_help + vertex_files_help + path_answer_help +
-                 path_help + accept_help + pairs_help + spaced(pairs_answer_columns()));
+                 path_help + accept_help + pairs_help + pairs_answer_columns());
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -4,44 +4,175 @@
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "answers/answers.h"
 #include "command/run_files.h"
 #include "command/text.h"
+#include "formats/csv.h"
 #include "formats/csv_inputs.h"
+#include "limber/io.h"
 #include "limber/scene.h"
 #include "reports/study.h"
-#include "verbs/accepted_pairs.h"
-#include "verbs/file_parts.h"
 
 namespace limber::program {
 namespace {
 
+/// `--accept`: pairs of parts that may touch, or even overlap.
+class AcceptedPairs {
+ public:
+  /// Accepts nothing if the path is empty. Errors: BadInput of read_csv(), and where a word is neither.
+  explicit AcceptedPairs(std::string path);
+
+  /// The first line that accepts the answer to a pair of names, counted from 1.
+  std::optional<std::size_t> accept(const std::string& name_a, const std::string& name_b, const DistanceAnswer& answer);
+
+  /// Warns of each line that has accepted nothing.
+  void warn_about_unused() const;
+
+ private:
+  struct Rule {
+    std::string a, b;  ///< patterns
+    bool allows_all = false, is_used = false;
+    std::size_t line = 0;
+  };
+
+  std::string path_;
+  std::vector<Rule> rules_;
+};
+
+constexpr std::array<std::string_view, 3> accept_columns = {"name_a", "name_b", "allowed"};
+
+/// Whether a pattern with * and ? is that of a name. Each * takes as little as will do; none has to take more.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0, after_star = std::string_view::npos, resumed = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      after_star = ++p, resumed = n;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+      ++p, ++n;
+    } else if (after_star != std::string_view::npos) {
+      p = after_star, n = ++resumed;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+/// Whether the parts touch or may touch, and nothing worse is possible.
+bool is_touching(const DistanceAnswer& answer) {
+  const bool may_touch = answer.clash == Clash::cannot_tell && !answer.may_clash && answer.result.lower == 0;
+  return answer.clash == Clash::touching || may_touch;
+}
+
+AcceptedPairs::AcceptedPairs(std::string path) : path_(std::move(path)) {
+  if (path_.empty()) return;
+  const CsvFormat format{"pair", accept_columns, 2, true, "; the first row names the columns: name_a,name_b,allowed",
+                         true};
+  read_csv(path_, format, [&](const std::vector<std::string>& fields, std::size_t line) {
+    const std::string& allowed = fields[2];
+    if (allowed != "all" && allowed != "touching" && !allowed.empty()) {
+      throw BadInput(fmt::format("column allowed: must be touching or all, not '{}'", shown(allowed)));
+    }
+    rules_.push_back({fields[0], fields[1], allowed == "all", false, line});
+  });
+}
+
+std::optional<std::size_t> AcceptedPairs::accept(const std::string& name_a, const std::string& name_b,
+                                                 const DistanceAnswer& answer) {
+  if (answer.clash == Clash::clear || answer.clash == Clash::surfaces_apart) return std::nullopt;
+  std::optional<std::size_t> first;
+  for (Rule& rule : rules_) {
+    if (!rule.allows_all && !is_touching(answer)) continue;
+    const bool is_meant =
+        (matches(rule.a, name_a) && matches(rule.b, name_b)) || (matches(rule.a, name_b) && matches(rule.b, name_a));
+    if (!is_meant) continue;
+    rule.is_used = true;
+    if (!first) first = rule.line;
+  }
+  return first;
+}
+
+void AcceptedPairs::warn_about_unused() const {
+  for (const Rule& rule : rules_) {
+    if (!rule.is_used) warn("distance", fmt::format("{}: line {}: accepts no pair", path_, rule.line));
+  }
+}
+
+struct FilePart {
+  std::string name;  ///< as the file has it; may be empty
+  MeshFile file;     ///< its triangles in their order; faces are numbered as in the whole file
+};
+
+/// Whether a name ends as those of mesh files do.
+bool is_mesh_file(const std::string& path) {
+  constexpr std::array<std::string_view, 6> endings = {".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+/// The parts of one mesh file, such as the nodes of a glTF scene or the objects of an OBJ file, as meshes of their own.
+std::vector<FilePart> read_file_parts(const std::string& path) {
+  const MeshFile whole = value_or_bad_input(read_mesh_file(path, {.parts = true}));
+  for (const std::filesystem::path& read : whole.files) add_input(read);
+  const MeshView mesh = whole.mesh;
+  std::vector<std::vector<TriangleId>> triangles_of(whole.parts.size());
+  for (TriangleId t = 0; t < mesh.triangles.size(); ++t) triangles_of[whole.part_of_triangle[t]].push_back(t);
+  std::vector<std::size_t> named_by(mesh.positions.size(), triangles_of.size());  // the part that named a vertex last
+  std::vector<VertexId> number_in_part(mesh.positions.size());
+  std::vector<FilePart> parts;
+  for (std::size_t part = 0; part < triangles_of.size(); ++part) {
+    std::vector<Vec3> positions;
+    std::vector<Corners> triangles;
+    std::vector<std::uint32_t> faces;
+    for (const TriangleId t : triangles_of[part]) {
+      Corners corners = mesh.triangles[t];
+      for (VertexId& v : corners) {
+        if (std::exchange(named_by[v], part) != part) {
+          number_in_part[v] = static_cast<VertexId>(positions.size());
+          positions.push_back(mesh.positions[v]);
+        }
+        v = number_in_part[v];
+      }
+      triangles.push_back(corners);
+      faces.push_back(whole.face_of_triangle[t]);
+    }
+    Mesh own = value_or_bad_input(Mesh::create(std::move(positions), std::move(triangles)));
+    MeshFile& file = parts.emplace_back(FilePart{whole.parts[part], {std::move(own), faces, 0, {}, {}, {}, {}}}).file;
+    file.face_count = static_cast<std::size_t>(std::unique(faces.begin(), faces.end()) - faces.begin());
+  }
+  return parts;
+}
+
 /// Models by their names. A file that is named in several ways is still one model.
 class Models {
  public:
-  explicit Models(Engine engine) : engine_(engine) {}
-
   const RigidModel* load(const std::string& name) {
     std::unique_ptr<RigidModel>& model = models_[key_of(name)];
     if (model) return model.get();
     MeshFile file = load_mesh_argument(name);
     file.parts.clear();  // rows have no cells for their names
-    model = std::make_unique<RigidModel>(std::move(file), engine_);
+    model = std::make_unique<RigidModel>(std::move(file));
     return model.get();
   }
 
   const RigidModel* keep(MeshFile mesh) {
-    return parts_.emplace_back(std::make_unique<RigidModel>(std::move(mesh), engine_)).get();
+    return parts_.emplace_back(std::make_unique<RigidModel>(std::move(mesh))).get();
   }
 
  private:
@@ -52,7 +183,6 @@ class Models {
     return failed ? name : path.string();
   }
 
-  Engine engine_;
   std::map<std::string, std::unique_ptr<RigidModel>> models_;
   std::vector<std::unique_ptr<RigidModel>> parts_;  // of one file
 };
@@ -94,7 +224,7 @@ std::vector<PartPair> near_pairs(const std::vector<StudyPart>& parts, double max
     return pairs;
   }
   Scene scene;
-  for (const StudyPart& part : parts) static_cast<void>(scene.add({part.model->in_fast_engine(), part.pose}));
+  for (const StudyPart& part : parts) static_cast<void>(scene.add({part.model->model(), part.pose}));
   scene.commit();
   scene.visit_candidate_pairs(max_distance, [&](const ObjectPair& pair) {
     pairs.push_back({pair.a, pair.b});
@@ -166,20 +296,19 @@ void warn_about(std::size_t nested_count) {
   warn("distance", where + " inside the other without touching it; models are surfaces, not solids (column inside)");
 }
 
-/// The columns that answer_in_row() fills after those that name the pair.
-std::string answer_columns() {
-  return fmt::format("{},{},too_close,inside,clash,solids,depth,accepted,query_us,node_tests,primitive_tests",
-                     distance_columns, witness_columns);
+AnswerColumns columns_of(StudyKind kind) {
+  const AskedPairs sample{kind, std::vector<StudyPart>(2), {}};
+  DistanceAnswer answer;
+  answer.witness.emplace();
+  return AnswerColumns(answer_in_row(0, sample, {0, 1}, answer, {}));
 }
-
-std::string parts_answer_columns() { return "row,part_a,part_b,name_a,name_b," + answer_columns(); }
 
 }  // namespace
 
-std::string pairs_answer_columns() { return "row,model_a,model_b," + answer_columns(); }
+std::string pairs_answer_columns() { return columns_of(StudyKind::pairs).help(); }
 
 ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestion& question) {
-  Models models(arguments.engine);
+  Models models;
   const std::string& path = arguments.parts.empty() ? arguments.pairs : arguments.parts;
   const double max_distance = question.options.max_distance + question.tolerances.of_pair();
   const AskedPairs asked =
@@ -193,9 +322,8 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
   ProgressBar bar(asked.pairs.size(), "pairs");
   ExitCode exit_code = ExitCode::answered;
   std::size_t nested_count = 0, row = 0;
-  if (!arguments.json) {
-    out.write((asked.kind == StudyKind::pairs ? pairs_answer_columns() : parts_answer_columns()) + '\n');
-  }
+  const AnswerColumns columns = columns_of(asked.kind);
+  if (!arguments.json) out.write(columns.header());
   prepare(asked);
   std::vector<DistanceAnswer> answers(32 * static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
   for (std::size_t i = 0; i < asked.pairs.size(); ++i) {
@@ -211,7 +339,7 @@ ExitCode answer_pairs(const ManyPairsArguments& arguments, const DistanceQuestio
     if (study) study->add(row, asked.pairs[i], answer, accepted);
     if (out.is_terminal()) bar.clear();
     const Json json = answer_in_row(row++, asked, asked.pairs[i], answer, accepted);
-    out.write_rows(arguments.json ? to_line(json) : csv_line(json));
+    out.write_rows(arguments.json ? to_line(json) : columns.line(json));
   }
   bar.clear();
   warn_about(nested_count);

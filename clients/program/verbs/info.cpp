@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "answers/models.h"
 #include "command/options.h"
 #include "command/output.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/model.h"
-#include "verbs/models.h"
 
 namespace limber::program {
 namespace {
@@ -51,129 +51,103 @@ std::size_t count_unreferenced(const Mesh& mesh) {
   return static_cast<std::size_t>(std::count(is_referenced.begin(), is_referenced.end(), false));
 }
 
-/// A part of the file, by itself.
-struct PartInfo {
-  std::string name;
-  std::size_t triangles = 0;
-  Box box;
-  bool is_closed = false;
-};
+Json json_of(const Box& box) { return {{"low", to_json(box.low)}, {"high", to_json(box.high)}}; }
 
-std::vector<PartInfo> examine_parts(const MeshFile& file) {
+/// Each part of the file that has a triangle, by itself.
+Json examined_parts(const MeshFile& file) {
   std::vector<std::vector<Corners>> triangles(file.parts.size());
   for (TriangleId t = 0; t < file.part_of_triangle.size(); ++t) {
     triangles[file.part_of_triangle[t]].push_back(file.mesh.triangles()[t]);
   }
-  std::vector<PartInfo> parts;
+  Json parts = Json::array();
   for (std::size_t p = 0; p < triangles.size(); ++p) {
+    if (triangles[p].empty()) continue;  // faces of fewer than three corners may be all it has
     const MeshView part{file.mesh.positions(), triangles[p]};
-    if (!triangles[p].empty()) {  // faces of fewer than three corners may be all it has
-      parts.push_back({file.parts[p], triangles[p].size(), box_of(part), count_edges(part).are_closed()});
-    }
+    parts.push_back({{"name", file.parts[p]},
+                     {"triangles", triangles[p].size()},
+                     {"extent", json_of(box_of(part))},
+                     {"closed", count_edges(part).are_closed()}});
   }
   return parts;
 }
 
-struct Info {
-  std::size_t vertices = 0, triangles = 0, faces = 0;
-  Box box;
-  EdgeCounts edges;
-  std::size_t degenerate = 0, duplicates = 0, unreferenced = 0;
-  std::vector<PartInfo> parts;
-  TreeStats tree;
-  double load_us = 0, build_us = 0;
-
-  double diagonal() const { return length(box.high - box.low); }
-  double bytes_per_triangle() const { return static_cast<double>(tree.bytes) / static_cast<double>(triangles); }
-};
-
-Info examine(const std::string& argument) {
+Json examined(const std::string& argument) {
   const Stopwatch loading;
   MeshFile file = load_mesh_argument(argument);
   const double load_us = loading.microseconds();
   const Mesh& mesh = file.mesh;
-  Info info;
-  info.vertices = mesh.positions().size();
-  info.triangles = mesh.triangles().size();
-  info.faces = file.face_count;
-  info.box = box_of(mesh);
-  info.edges = count_edges(mesh);
-  info.parts = examine_parts(file);
-  info.degenerate = count_degenerate(mesh);
-  info.duplicates = count_duplicates(mesh);
-  info.unreferenced = count_unreferenced(mesh);
+  const Box box = box_of(mesh);
+  const EdgeCounts edges = count_edges(mesh);
+  const std::size_t triangle_count = mesh.triangles().size();
+  Json json = {{"query", "info"},
+               {"vertices", mesh.positions().size()},
+               {"triangles", triangle_count},
+               {"faces", file.face_count},
+               {"extent", json_of(box)},
+               {"open_edges", edges.open},
+               {"non_manifold_edges", edges.non_manifold},
+               {"closed", edges.are_closed()},
+               {"degenerate_triangles", count_degenerate(mesh)},
+               {"duplicate_triangles", count_duplicates(mesh)},
+               {"unreferenced_vertices", count_unreferenced(mesh)},
+               {"parts", examined_parts(file)}};
+  json["extent"]["diagonal"] = length(box.high - box.low);
   const Stopwatch building;
   const Model model(std::move(file.mesh));
-  info.build_us = building.microseconds();
-  info.load_us = load_us;
-  info.tree = model.tree_stats();
-  return info;
+  const double build_us = building.microseconds();
+  const TreeStats tree = model.tree_stats();
+  json["tree"] = {{"levels", tree.levels},
+                  {"nodes", tree.nodes},
+                  {"leaves", tree.leaves},
+                  {"bytes", tree.bytes},
+                  {"bytes_per_triangle", static_cast<double>(tree.bytes) / static_cast<double>(triangle_count)}};
+  json["load_us"] = load_us;
+  json["build_us"] = build_us;
+  return json;
 }
 
-Json as_json(const Info& info) {
-  Json parts = Json::array();
-  for (const PartInfo& part : info.parts) {
-    parts.push_back({{"name", part.name},
-                     {"triangles", part.triangles},
-                     {"extent", {{"low", to_json(part.box.low)}, {"high", to_json(part.box.high)}}},
-                     {"closed", part.is_closed}});
-  }
-  return {
-      {"query", "info"},
-      {"vertices", info.vertices},
-      {"triangles", info.triangles},
-      {"faces", info.faces},
-      {"extent", {{"low", to_json(info.box.low)}, {"high", to_json(info.box.high)}, {"diagonal", info.diagonal()}}},
-      {"open_edges", info.edges.open},
-      {"non_manifold_edges", info.edges.non_manifold},
-      {"closed", info.edges.are_closed()},
-      {"degenerate_triangles", info.degenerate},
-      {"duplicate_triangles", info.duplicates},
-      {"unreferenced_vertices", info.unreferenced},
-      {"parts", std::move(parts)},
-      {"tree",
-       {{"levels", info.tree.levels},
-        {"nodes", info.tree.nodes},
-        {"leaves", info.tree.leaves},
-        {"bytes", info.tree.bytes},
-        {"bytes_per_triangle", info.bytes_per_triangle()}}},
-      {"load_us", info.load_us},
-      {"build_us", info.build_us},
+/// A value as text: yes or no, or numbers with a space between them.
+std::string value_text(const Json& json) {
+  if (json.is_boolean()) return json.get<bool>() ? "yes" : "no";
+  if (json.is_number_float()) return to_text(json.get<double>());
+  if (!json.is_array()) return json.dump();
+  return to_text(Vec3{json[0], json[1], json[2]}, " ");
+}
+
+void write_lines(const Json& json) {
+  const Json &extent = json["extent"], &tree = json["tree"], &parts = json["parts"];
+  const auto line = [](const std::string& label, const Json& value) {
+    write_line("{:<23}{}", label, value_text(value));
   };
-}
-
-void write_lines(const Info& info) {
-  write_line("vertices               {}", info.vertices);
-  write_line("triangles              {}", info.triangles);
-  write_line("faces                  {}", info.faces);
-  write_line("extent low             {}", to_text(info.box.low, " "));
-  write_line("extent high            {}", to_text(info.box.high, " "));
-  write_line("diagonal               {}", to_text(info.diagonal()));
-  write_line("open edges             {}", info.edges.open);
-  write_line("non-manifold edges     {}", info.edges.non_manifold);
-  write_line("closed                 {}", info.edges.are_closed() ? "yes" : "no");
-  write_line("degenerate triangles   {}", info.degenerate);
-  write_line("duplicate triangles    {}", info.duplicates);
-  write_line("unreferenced vertices  {}", info.unreferenced);
-  write_line("parts                  {}", info.parts.size());
-  for (const PartInfo& part : info.parts) {
-    if (info.parts.size() == 1 && part.name.empty()) break;
-    write_line("  {}: {} triangles, {} to {}, {}", part.name.empty() ? "(no name)" : part.name, part.triangles,
-               to_text(part.box.low, " "), to_text(part.box.high, " "), part.is_closed ? "closed" : "open");
+  for (const char* const key : {"vertices", "triangles", "faces"}) line(key, json[key]);
+  line("extent low", extent["low"]);
+  line("extent high", extent["high"]);
+  line("diagonal", extent["diagonal"]);
+  line("open edges", json["open_edges"]);
+  line("non-manifold edges", json["non_manifold_edges"]);
+  line("closed", json["closed"]);
+  line("degenerate triangles", json["degenerate_triangles"]);
+  line("duplicate triangles", json["duplicate_triangles"]);
+  line("unreferenced vertices", json["unreferenced_vertices"]);
+  line("parts", parts.size());
+  for (const Json& part : parts) {
+    const auto name = part["name"].get<std::string>();
+    if (parts.size() == 1 && name.empty()) break;
+    write_line("  {}: {} triangles, {} to {}, {}", name.empty() ? "(no name)" : name, value_text(part["triangles"]),
+               value_text(part["extent"]["low"]), value_text(part["extent"]["high"]),
+               part["closed"] == true ? "closed" : "open");
   }
-  write_line("tree levels            {}", info.tree.levels);
-  write_line("tree nodes             {}, {} of them leaves", info.tree.nodes, info.tree.leaves);
-  write_line("tree size              {} bytes, {:.1f} per triangle", info.tree.bytes, info.bytes_per_triangle());
-  write_line("time                   load {} us, build {} us", to_text(info.load_us), to_text(info.build_us));
+  line("tree levels", tree["levels"]);
+  write_line("tree nodes             {}, {} of them leaves", value_text(tree["nodes"]), value_text(tree["leaves"]));
+  write_line("tree size              {} bytes, {:.1f} per triangle", value_text(tree["bytes"]),
+             tree["bytes_per_triangle"].get<double>());
+  write_line("time                   load {} us, build {} us", value_text(json["load_us"]),
+             value_text(json["build_us"]));
 }
 
 ExitCode run(const InfoArguments& arguments) {
-  const Info info = examine(arguments.model);
-  if (arguments.json) {
-    write(to_line(as_json(info)));
-  } else {
-    write_lines(info);
-  }
+  const Json json = examined(arguments.model);
+  arguments.json ? write(to_line(json)) : write_lines(json);
   return ExitCode::answered;
 }
 

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "answers/contact_answers.h"
+#include "answers/models.h"
 #include "command/options.h"
 #include "command/output.h"
 #include "command/run_files.h"
@@ -14,8 +16,6 @@
 #include "command/verb.h"
 #include "formats/csv_inputs.h"
 #include "limber/points.h"
-#include "verbs/contact_answers.h"
-#include "verbs/models.h"
 
 namespace limber::program {
 namespace {
@@ -42,7 +42,7 @@ class PointAsker {
  public:
   PointAsker(const RigidModel& model, const PointsArguments& arguments) : model_(model), arguments_(arguments) {
     if (!arguments.is_signed) return;
-    Result<ClosedSurface> surface = ClosedSurface::create(model.fast());
+    Result<ClosedSurface> surface = ClosedSurface::create(model.model());
     if (!surface) {
       throw BadInput(fmt::format("--signed: {}: {}; --generalized-winding-number tells about any surface",
                                  arguments.model, surface.error().text));
@@ -52,7 +52,7 @@ class PointAsker {
 
   std::vector<PointAnswer> ask(std::span<const Vec3> points) const {
     std::vector<PointAnswer> answers(points.size());
-    const Placed placed{model_.fast(), arguments_.pose};
+    const Placed placed{model_.model(), arguments_.pose};
     if (surface_) {
       std::vector<SignedDistance> distances(points.size());
       surface_->signed_distance_many(points, distances, arguments_.pose, arguments_.options);
@@ -76,22 +76,13 @@ class PointAsker {
   std::optional<ClosedSurface> surface_;
 };
 
-std::string columns_of(const PointsArguments& arguments) {
-  std::string columns =
-      "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2";
-  if (arguments.is_signed) columns += ",is_inside";
-  if (arguments.has_winding_number) columns += ",generalized_winding_number";
-  return columns;
-}
-
-/// The row, whose values are the cells under columns_of().
-Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, const RigidModel& model) {
+Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, std::uint32_t face) {
   Json json = {{"row", number}, {"point", to_json(point)}, {"distance", nullptr}, {"closest", nullptr}};
   if (const std::optional<SurfacePoint>& closest = answer.result.closest) {
     json["distance"] = answer.distance();
     json["closest"] = {{"position", to_json(closest->position)},
                        {"triangle", closest->triangle},
-                       {"face", model.face_of(closest->triangle)},
+                       {"face", face},
                        {"feature", to_text(closest->feature)},
                        {"weights", to_json(closest->weights)}};
   }
@@ -100,13 +91,22 @@ Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, co
   return json;
 }
 
+AnswerColumns columns_of(bool is_signed, bool has_winding_number) {
+  PointAnswer sample;
+  sample.result.closest.emplace();
+  if (is_signed) sample.is_inside = false;
+  if (has_winding_number) sample.winding_number = 0;
+  return AnswerColumns(row_of(0, {}, sample, 0));
+}
+
 ExitCode run(const PointsArguments& arguments) {
   const std::vector<Vec3> points = read_points(arguments.points);
-  const RigidModel model(load_mesh_argument(arguments.model), Engine::fast);
+  const RigidModel model(load_mesh_argument(arguments.model));
   const PointAsker asker(model, arguments);
   OutputFile out("--out", arguments.out);
   ProgressBar bar(points.size(), "points");
-  if (!arguments.json) out.write(columns_of(arguments) + '\n');
+  const AnswerColumns columns = columns_of(arguments.is_signed, arguments.has_winding_number);
+  if (!arguments.json) out.write(columns.header());
   const std::size_t at_once = arguments.has_winding_number ? 64 : 4096;  // some 0.1 s of work, or 2 ms
   for (std::size_t begin = 0; begin < points.size(); begin += at_once) {
     bar.draw(begin);
@@ -114,7 +114,9 @@ ExitCode run(const PointsArguments& arguments) {
     const std::vector<PointAnswer> answers = asker.ask(some);
     std::string text;
     for (std::size_t i = 0; i < some.size(); ++i) {
-      text += (arguments.json ? to_line : csv_line)(row_of(begin + i, some[i], answers[i], model));
+      const std::optional<SurfacePoint>& closest = answers[i].result.closest;
+      const Json row = row_of(begin + i, some[i], answers[i], closest ? model.face_of(closest->triangle) : 0);
+      text += arguments.json ? to_line(row) : columns.line(row);
     }
     if (out.is_terminal()) bar.clear();
     out.write_rows(text);
@@ -155,7 +157,7 @@ Verb add_points(CLI::App& app) {
   const auto arguments = std::make_shared<PointsArguments>();
   CLI::App& command = *app.add_subcommand("points", "Closest points of a model to many points, and which are inside");
   command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
-  command.add_option("POINTS", arguments->points, "CSV file with a point in each row")->type_name("CSV")->required();
+  add_file(command, "POINTS", arguments->points, "CSV", "CSV file with a point in each row")->required();
   add_pose(command, "--pose", arguments->pose, "the model");
   command.add_flag("--signed", arguments->is_signed, "also whether points are inside; then their distance is negative");
   command.add_flag("--generalized-winding-number", arguments->has_winding_number,
@@ -163,13 +165,9 @@ Verb add_points(CLI::App& app) {
   add_number(command, "--max-distance", arguments->options.max_distance, not_negative_or_infinite,
              "closest points farther away are not told, which is faster")
       ->type_name("LENGTH");
-  command.add_option("--out", arguments->out, "where the answer is written, - for standard output")
-      ->type_name("FILE")
-      ->capture_default_str();
+  add_out(command, arguments->out);
   add_json(command, arguments->json, "answer with a JSON object for each point instead of CSV");
-  PointsArguments all;
-  all.is_signed = all.has_winding_number = true;
-  command.footer(points_help + spaced(columns_of(all)) + ", the last two where they are asked for.");
+  command.footer(points_help + columns_of(true, true).help() + ", the last two where they are asked for.");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -25,28 +25,11 @@ constexpr std::array row_names = {"lower",     "upper",    "status",         "to
 constexpr std::array contact_row_names = {"query_us", "count", "intersecting"};
 constexpr std::array impact_row_names = {"status", "lower", "touch"};
 
-template <typename List>
-Json empty_lists(const List& names) {
-  Json json;
-  for (const char* const name : names) json[name] = Json::array();
-  return json;
-}
-
-/// Empty lists for each name.
-template <typename List>
-Json named_lists(const Names& names, const List& lists) {
+/// An object with a name for each.
+Json named_objects(const Names& names) {
   Json json = Json::array();
-  for (const std::string& name : names) {
-    json.push_back(empty_lists(lists));
-    json.back()["name"] = name;
-  }
+  for (const std::string& name : names) json.push_back({{"name", name}});
   return json;
-}
-
-std::string prefixed(const std::string& name, std::string_view columns) {
-  std::string text;
-  for (const std::string_view column : fields_of(columns, ',')) text += fmt::format(",{}_{}", name, column);
-  return text;
 }
 
 }  // namespace
@@ -55,17 +38,6 @@ TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
   elapsed_us = rounded_us(elapsed_us + other.elapsed_us);
   done += other.done;
   return *this;
-}
-
-std::string track_csv_header(bool has_clearance, bool has_depth, const Names& contact_names,
-                             const Names& impact_names) {
-  std::string header =
-      fmt::format("frame,update_us,query_us,{},{},moved_vertices,refits,absorbed,node_tests,primitive_tests{}{}",
-                  distance_columns, witness_columns, has_clearance ? ",too_close" : "", has_depth ? ",depth" : "");
-  const std::string of_contacts = "query_us,count,intersecting," + contact_columns(ContactDetail::all);
-  for (const std::string& name : contact_names) header += prefixed(name, of_contacts);
-  for (const std::string& name : impact_names) header += prefixed(name, impact_columns);
-  return header + '\n';
 }
 
 Json to_json(const TrackRow& row) {
@@ -123,16 +95,18 @@ Json Replay::Model::to_json() const {
   } else {
     json["positions"] = shape_;
   }
-  json["poses"] = poses_json(poses_);
   return json;
+}
+
+Json Replay::Model::part(std::size_t number) const {
+  return {{"name", model_.name}, {"file", model_.name}, {"model", number}, {"poses", poses_json(poses_)}};
 }
 
 Replay::Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models)
     : sequence_(std::move(sequence)),
       models_{Model(models[0]), Model(models[1])},
-      rows_(empty_lists(row_names)),
-      contacts_(named_lists(sequence_.contact_names, contact_row_names)),
-      impacts_(named_lists(sequence_.impact_names, impact_row_names)) {
+      contacts_(named_objects(sequence_.contact_names)),
+      impacts_(named_objects(sequence_.impact_names)) {
   if (sequence_.row_count > most_rows) {
     throw BadInput(
         fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.row_count));
@@ -152,31 +126,17 @@ void Replay::add(const TrackRow& row, const std::array<ReplayedState, 2>& states
 }
 
 void Replay::add_row(const TrackRow& row) {
-  Json answer;
-  append_distance(answer, row.result, row.witness);
-  for (const char* const name : {"lower", "upper", "status"}) rows_[name].push_back(answer[name]);
-  rows_["too_close"].push_back(program::to_json(row.too_close));
-  rows_["depth"].push_back(program::to_json(row.depth));
-  rows_["update_us"].push_back(row.update.elapsed_us);
-  rows_["query_us"].push_back(row.query_us);
-  rows_["moved_vertices"].push_back(row.update.done.moved_vertices);
-  Json witness = nullptr;
-  if (row.witness) {
-    const auto& [a, b, triangle_a, triangle_b] = row.witness->witness;
-    witness = {a.x, a.y, a.z, b.x, b.y, b.z, triangle_a, triangle_b};
-  }
-  rows_["witness"].push_back(std::move(witness));
+  Json json = program::to_json(row);
+  json["witness"] = flat_witness(row.witness);
+  append_row(rows_, json, row_names);
   for (std::size_t c = 0; c < row.contacts.size(); ++c) {
-    const FoundContacts& found = row.contacts[c].found;
-    contacts_[c]["query_us"].push_back(found.elapsed_us);
-    contacts_[c]["count"].push_back(found.count);
-    contacts_[c]["intersecting"].push_back(found.intersecting_count);
+    append_row(contacts_[c], json[row.contacts[c].name], contact_row_names);
   }
   for (std::size_t i = 0; i < row.impacts.size(); ++i) {
-    Json impact = program::to_json(row.impacts[i]);
+    Json& impact = json[row.impacts[i].name];
     Json& touch = impact["touch"];
     if (!touch.is_null()) touch = {touch["feature_a"], touch["triangle_a"], touch["feature_b"], touch["triangle_b"]};
-    for (const char* const name : impact_row_names) impacts_[i][name].push_back(std::move(impact[name]));
+    append_row(impacts_[i], impact, impact_row_names);
   }
 }
 
@@ -186,19 +146,19 @@ Json Replay::to_json() const {
     const bool is_kept = r % sequence_.frame_count % stride_ == 0;
     if (!is_kept) rows["witness"][r] = nullptr;  // no picture shows it
   }
-  return {{"engine", sequence_.engine},
-          {"relative_error", sequence_.query.relative_error},
-          {"absolute_error", sequence_.query.absolute_error},
-          {"max_distance",
-           std::isfinite(sequence_.query.max_distance) ? Json(sequence_.query.max_distance) : Json(nullptr)},
-          {"min_clearance", program::to_json(sequence_.min_clearance)},
-          {"frame_count", sequence_.frame_count},
-          {"stride", stride_},
-          {"max_megabytes", sequence_.max_megabytes},
-          {"rows", std::move(rows)},
-          {"contacts", contacts_},
-          {"impacts", impacts_},
-          {"models", {models_[0].to_json(), models_[1].to_json()}}};
+  Json json = {{"kind", "frames"}, {"engine", sequence_.engine}};
+  json.update(settings_of(sequence_.query, sequence_.min_clearance));
+  json.update({{"frame_count", sequence_.frame_count},
+               {"stride", stride_},
+               {"max_megabytes", sequence_.max_megabytes},
+               {"rows", std::move(rows)},
+               {"contacts", contacts_},
+               {"impacts", impacts_}});
+  for (const Model& model : models_) {
+    json["models"].push_back(model.to_json());
+    append_row(json["parts"], model.part(json["models"].size() - 1), part_names);
+  }
+  return json;
 }
 
 }  // namespace limber::program

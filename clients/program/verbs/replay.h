@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "answers/answers.h"
+#include "answers/contact_answers.h"
+#include "answers/deforming_model.h"
+#include "answers/impacts.h"
 #include "formats/position_frames.h"
 #include "limber/distance.h"
-#include "verbs/answers.h"
-#include "verbs/contact_answers.h"
-#include "verbs/deforming_model.h"
-#include "verbs/impacts.h"
 
 /// What `limber track` says about each frame, and what the viewer plays: two models that move and deform, and what was
 /// asked about them.
@@ -49,9 +49,6 @@ struct TrackRow {
   std::vector<FrameImpact> impacts;  ///< on the way from the line before
 };
 
-/// The first line of CSV; names are the words that columns of contacts and of impacts start with.
-std::string track_csv_header(bool has_clearance, bool has_depth, const Names& contact_names, const Names& impact_names);
-/// The line, whose values are the cells under the header.
 Json to_json(const TrackRow& row);
 
 /// A model as it enters a replay.
@@ -104,6 +101,8 @@ class Replay {
     void drop_every_second();
     std::size_t byte_count() const;
     Json to_json() const;
+    /// Where it stands, as the model of that number.
+    Json part(std::size_t number) const;
 
    private:
     ReplayedModel model_;

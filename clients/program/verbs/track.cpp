@@ -10,6 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "answers/answers.h"
+#include "answers/contact_answers.h"
+#include "answers/deforming_model.h"
+#include "answers/impacts.h"
+#include "answers/models.h"
+#include "answers/tracked_model.h"
 #include "command/options.h"
 #include "command/output.h"
 #include "command/run_files.h"
@@ -17,13 +23,7 @@
 #include "command/verb.h"
 #include "limber/distance.h"
 #include "reports/page_template.h"
-#include "verbs/clashes.h"
-#include "verbs/contact_answers.h"
-#include "verbs/deforming_model.h"
-#include "verbs/impacts.h"
-#include "verbs/models.h"
 #include "verbs/replay.h"
-#include "verbs/tracked_model.h"
 
 namespace limber::program {
 namespace {
@@ -186,6 +186,22 @@ TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::
   return row;
 }
 
+/// With all columns that a row may have.
+TrackRow sample_row(const TrackArguments& arguments, const Asked& asked) {
+  TrackRow row;
+  row.witness.emplace();
+  if (arguments.min_clearance) row.too_close = false;
+  if (arguments.depth) row.depth = 0;
+  for (const AskedPair& pair : asked.contacts) {
+    row.contacts.push_back({pair.name, {}});
+    row.contacts.back().found.first.emplace_back();
+  }
+  for (const AskedPair& pair : asked.impacts) {
+    row.impacts.push_back({pair.name, ImpactStatus::contact, 0.0, 0.0, FoundTouch()});
+  }
+  return row;
+}
+
 ReplayedModel replayed(const ModelArguments& arguments, const TrackedModel& model) {
   return {shown_name(arguments.frames.front()), model.model().mesh(), model.mesh_count() > 1, model.pose_count() > 1};
 }
@@ -210,9 +226,8 @@ ExitCode run(const TrackArguments& arguments) {
   std::optional<ReportFile> page;
   if (replay) page.emplace(arguments.report);
   ProgressBar bar(row_count, "frames");
-  if (!arguments.json) {
-    out.write(track_csv_header(arguments.min_clearance.has_value(), arguments.depth, contact_names, impact_names));
-  }
+  const AnswerColumns columns(to_json(sample_row(arguments, asked)));
+  if (!arguments.json) out.write(columns.header());
   ExitCode exit_code = ExitCode::answered;
   for (std::size_t r = 0; r < row_count; ++r) {
     bar.draw(r);
@@ -220,7 +235,8 @@ ExitCode run(const TrackArguments& arguments) {
     if (row.too_close.value_or(false)) exit_code = ExitCode::found;
     if (replay) replay->add(row, {a.state(), b.state()});
     if (out.is_terminal()) bar.clear();
-    out.write_rows((arguments.json ? to_line : csv_line)(to_json(row)));
+    const Json json = to_json(row);
+    out.write_rows(arguments.json ? to_line(json) : columns.line(json));
   }
   if (!replay) return exit_code;
   if (replay->stride() > 1) {
@@ -287,11 +303,8 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
   command.add_option("--b", arguments->b.frames, "as --a, in the same length unit")->type_name("MODEL")->required();
   for (auto* const model : {&arguments->a, &arguments->b}) {
     const bool is_a = model == &arguments->a;
-    command
-        .add_option(
-            is_a ? "--poses-a" : "--poses-b", model->poses,
-            fmt::format("where {} stands in each frame: a pose per row; the identity without it", is_a ? "A" : "B"))
-        ->type_name("CSV");
+    add_file(command, is_a ? "--poses-a" : "--poses-b", model->poses, "CSV",
+             fmt::format("where {} stands in each frame: a pose per row; the identity without it", is_a ? "A" : "B"));
   }
   add_distance_options(command, arguments->query);
   add_min_clearance(command, arguments->min_clearance,
@@ -315,9 +328,7 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
       ->needs(continuous);
   add_count(command, "--loop", arguments->loops, {1, max_loops}, "how often the sequence is played");
   add_json(command, arguments->json, "answer with one JSON object per frame instead of CSV");
-  command.add_option("--out", arguments->out, "where the answer is written, - for standard output")
-      ->type_name("FILE")
-      ->capture_default_str();
+  add_out(command, arguments->out);
   CLI::Option* const report =
       add_report(command, arguments->report,
                  "also write a page that plays the frames, with charts of distances, times and contacts");

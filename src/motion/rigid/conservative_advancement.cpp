@@ -63,7 +63,7 @@ PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions&
   Gap earlier{begin, 0};
   for (double time = begin; free <= end;) {
     // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
-    const double limit = (touching + moving.most_in(options.max_time - time)) * (1 + 0x1p-40);
+    const double limit = (touching + moving.most_in(options.max_time - time)) * base::outward;
     DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * earlier.size), limit};
     std::optional<DistanceResult> found = moving.at(time, errors);
     // So that the gap is half of the error or more, and time goes on.
@@ -155,7 +155,7 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
 /// How fast the cores of two bodies move relative to each other at most: the centers move straight, each body turns.
 double relative_speed(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b) {
   const double straight = length(motion_b.displacement() - motion_a.displacement());
-  return (straight + turning_speed(a, motion_a) + turning_speed(b, motion_b)) * (1 + 0x1p-40);
+  return (straight + turning_speed(a, motion_a) + turning_speed(b, motion_b)) * base::outward;
 }
 
 const MovingBodies* no_motions() { return nullptr; }
@@ -168,7 +168,7 @@ PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& option
 template <auto question>
 auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
          const PathOptions& options, const char* function, FindMotions motions) {
-  check_options(options, function);
+  check_path_options(options, function);
   check_speed(path_a.speed, function), check_speed(path_b.speed, function);
   require(std::isfinite(speed), function, "the sum of both speeds must be finite");
   MovingDistance moving(a, path_a, b, path_b, speed, options, motions);
@@ -187,7 +187,7 @@ auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidM
 
 }  // namespace
 
-void check_options(const PathOptions& options, const char* function) {
+void check_path_options(const PathOptions& options, const char* function) {
   require(options.max_time >= 0 && options.max_time <= 1, function, "max_time is not in [0, 1]");
   require(base::is_finite_and_not_negative(options.min_separation), function,
           "min_separation must be finite and at least 0");
@@ -200,7 +200,7 @@ void check_speed(double speed, const char* function) {
 }
 
 double speed_of(const Body& body, const RigidMotion& motion) {
-  return (length(motion.displacement()) + turning_speed(body, motion)) * (1 + 0x1p-40);
+  return (length(motion.displacement()) + turning_speed(body, motion)) * base::outward;
 }
 
 PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMotion* motion, const Placed& standing,

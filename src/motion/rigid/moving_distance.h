@@ -42,7 +42,7 @@ class MovingDistance {
     wanted.cache = options_.cache, wanted.budget = options_.budget;
     wanted.budget.max_steps = std::numeric_limits<std::uint64_t>::max();
     const DistanceResult found = distance(Placed(a_, path_a_.pose(time)), Placed(b_, path_b_.pose(time)), wanted);
-    ++count, stats.node_tests += found.stats.node_tests, stats.primitive_tests += found.stats.primitive_tests;
+    ++count, stats += found.stats;
     stopped_by = found.stopped_by;
     work_ += static_cast<double>(found.stats.node_tests + 4 * found.stats.primitive_tests);
     return found;
@@ -60,7 +60,7 @@ class MovingDistance {
     const double needed = shadow.speed() * (end - time);
     const double limit = distance + 1.1 * needed + 0.1 * gap + a_.radius() + b_.radius();
     const double lower = distance_of(shadow, {.relative_error = 0.1, .max_distance = limit});
-    const double until = std::max(time, time + down * (lower - distance) / shadow.speed() - 0x1p-52);
+    const double until = std::max(time, time + base::inward * (lower - distance) / shadow.speed() - 0x1p-52);
     learn(spared_until(until));
     return until;
   }
@@ -83,8 +83,8 @@ class MovingDistance {
   }
 
   /// How long the models are certainly apart by more than a gap that is given, rounded down. Infinite if they stand.
-  double time_for(double gap) const { return down * gap / speed_; }
-  double most_in(double time) const { return speed_ * time / down; }
+  double time_for(double gap) const { return base::inward * gap / speed_; }
+  double most_in(double time) const { return speed_ * time / base::inward; }
   double speed() const { return speed_; }
   /// The error that the options allow; if they leave it open, a part of a length. As PathOptions says.
   double error_or(double part, double length) const {
@@ -98,8 +98,6 @@ class MovingDistance {
   QueryStats stats{};
 
  private:
-  static constexpr double down = 1 - 0x1p-40;
-
   static double radius_of(const Body& body) { return body.model().bounding_sphere().radius + body.radius(); }
 
   /// Whether a shadow is likely to take less work than a number of distances. Only once distances have taken about as

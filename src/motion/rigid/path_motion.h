@@ -8,7 +8,7 @@
 namespace limber::motion {
 
 /// Throws   std::invalid_argument, naming the function, unless the options are what their comments say.
-void check_options(const PathOptions& options, const char* function);
+void check_path_options(const PathOptions& options, const char* function);
 void check_speed(double speed, const char* function);
 
 /// How fast the points of a body's core move at most. A ball around a point of the core moves as that point does.

@@ -77,7 +77,7 @@ void append_turned(const Triangle& triangle, const Vec3& axis, double shortened,
 
 double turning_speed(const Body& body, const RigidMotion& motion) {
   const Sphere sphere = body.model().bounding_sphere();
-  const double radius = (length(sphere.center - motion.center()) + sphere.radius) * (1 + 0x1p-40);
+  const double radius = (length(sphere.center - motion.center()) + sphere.radius) * base::outward;
   return RigidMotion({motion.start().rotation, {}}, {motion.end().rotation, {}}).speed(radius);
 }
 
@@ -107,7 +107,7 @@ void Shadow::prefer(bool is_about_axis, const Vec3& origin, const Vec3& axis, do
                     double straight_speed) {
   const double along = std::abs(dot(straight_, axis)), across = length(straight_ - dot(straight_, axis) * axis);
   const double shortened = along > straight_speed ? straight_speed / along : 1;
-  const double speed = (across + shortened * along + others_speed) * (1 + 0x1p-40);
+  const double speed = (across + shortened * along + others_speed) * base::outward;
   if (!(speed < speed_)) return;
   speed_ = speed, is_about_axis_ = is_about_axis, origin_ = origin, axis_ = axis, shortened_ = shortened;
 }
@@ -141,7 +141,7 @@ std::optional<double> Shadow::distance(const DistanceOptions& options, QueryStat
   const std::optional<Model> b = image(bodies_->b, bodies_->motion_b.at(time_), size);
   if (!a || !b || size < 0x1p-400) return std::nullopt;  // smaller ones have no squares
   const DistanceResult found = limber::distance(*a, *b, options);
-  stats.node_tests += found.stats.node_tests, stats.primitive_tests += found.stats.primitive_tests;
+  stats += found.stats;
   return found.lower - shadow_error * size;
 }
 

@@ -114,7 +114,7 @@ class ElementsWithin {
   simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) const {
     std::uint64_t of_slots = 0;
     for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
-      if (slot > 0 && leaf.triangle[slot] == leaf.triangle[slot - 1]) break;  // the others repeat it
+      if (!leaf.is_in_use(slot)) break;
       of_slots |= (simd::OwnedElements::is_in_use | Access::represented_by(*edges_[index(s)], leaf.triangle[slot]))
                   << (8 * slot);
     }

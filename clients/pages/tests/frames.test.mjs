@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Pages of `limber track` and `limber demo`, in a browser.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Session, boxObj, expectGoodLooks, module, picture, rowsOf, screens, settled, sheetObj } from './support.mjs';
+import { tabThrough, textsOf, tileTexts } from './support.mjs';
+
+const { grouped, inPage, median, shown, shownTime } = await module('shared/numbers.ts');
+
+const session = new Session();
+const { answers, data } = session;
+const tracks = ['replay', 'twice', 'single', 'clearance'];
+const demos = ['usual', 'few', 'thinned'];
+
+before(async () => {
+  const box = session.store('box.obj', boxObj([0, 0, 0], [2, 1, 1]));
+  const frames = Array.from({ length: 40 }, (_, f) => {
+    const height = (x, y) => 0.3 * Math.sin(2 * x + f / 5) * Math.cos(y);
+    return session.store(`sheet${f}.obj`, sheetObj(16, height));
+  });
+  const poses = frames.map((_, f) => `${Math.cos(f / 6)},${Math.sin(f / 6)},${1.5 - f / 50},1,0,0,${f / 40}\n`);
+  const moving = ['--b', 'scene:ball', '--poses-b', session.store('poses.csv', poses.join(''))];
+  const more = ['--relative-error', '0.3', '--contacts', '--margin', '0.5', '--continuous'];
+  session.make('replay', 'track', '--a', ...frames, ...moving, ...more);
+  session.make('twice', 'track', '--a', ...frames.slice(0, 3), '--b', 'scene:ball', '--loop', '2');
+  session.make('single', 'track', '--a', box, '--b', 'scene:ball');
+  const heights = [3, 2.5, 1.6, 4].map((z) => `0,0,${z},1,0,0,0\n`).join('');
+  const falling = ['track', '--a', 'scene:ball', '--poses-a', session.store('moves.csv', heights)];
+  session.make('clearance', ...falling, '--b', 'scene:square', '--min-clearance', '2');
+  session.make('deep', ...falling, '--b', box, '--depth', '--min-clearance', '0.1');
+  session.make('usual', 'demo');
+  session.make('few', 'demo', '--frames', '30', '--relative-error', '0.3', '--no-check');
+  session.make('thinned', 'demo', '--frames', '300', '--dents-per-frame', '60', '--no-check');
+  await session.launch();
+});
+
+after(() => session.close());
+
+/** Moves the slider, as the arrow keys do one by one. */
+async function go(page, frame) {
+  await page.fill('#frame', String(frame));
+  await settled(page);
+}
+
+const frameText = (page) => page.textContent('#frame-text');
+
+for (const name of [...tracks, ...demos]) {
+  for (const { width, scheme } of screens) {
+    test(`${name} draws its pictures without a complaint at ${width} pixels, ${scheme}`, () =>
+      session.show(name, { width, scheme }, (page) => expectGoodLooks(page, width, true)));
+  }
+}
+
+test('a track with a clearance starts with its worst frame, and lists all', async () => {
+  await session.show('clearance', async (page) => {
+    assert.equal(await frameText(page), '2 of 3');
+    assert.equal((await tileTexts(page))[0], '\u2717 2 of 4frames are closer than the required 2');
+    const uppers = answers.clearance.map(({ upper }) => shown(upper));
+    assert.deepEqual(await rowsOf(page, '#rows'), [
+      ['2', 'Too close', uppers[2]],
+      ['1', 'Too close', uppers[1]],
+      ['0', 'Kept', uppers[0]],
+      ['3', 'Kept', uppers[3]],
+    ]);
+    await page.click('#rows tr[data-row="3"]');
+    assert.equal(await frameText(page), '3 of 3');
+    await page.click('#worst');
+    assert.equal(await frameText(page), '2 of 3');
+    assert.match(await page.getAttribute('.plot', 'aria-label'), /required clearance 2$/);
+  });
+  await session.show('single', async (page) => {
+    assert.ok(!(await page.isVisible('#worst')));
+    assert.equal(await page.locator('#rows-section').count(), 0);
+  });
+});
+
+test('a track says how deep bodies are in each other, and lists the deepest first', () =>
+  session.show('deep', async (page) => {
+    const { depth } = answers.deep[2];
+    assert.ok(depth > 0);
+    assert.deepEqual((await rowsOf(page, '#rows'))[0], ['2', 'Contact', `${shown(depth)} deep`]);
+    assert.ok((await tileTexts(page)).includes(`${shown(depth)} deepthe deepest, in frame 2`));
+    assert.equal(new Map(await rowsOf(page, '#answer')).get('Depth, at least'), String(depth));
+  }));
+
+for (const [name, frames] of [
+  ['replay', [0, 7, 6, 39, 0]],
+  ['usual', [0, 1, 300, 599, 1, 0]],
+]) {
+  test(`frames of ${name} have the numbers of the program, to the bit, and pictures that differ`, () =>
+    session.show(name, async (page) => {
+      const { rows, contacts, impacts, demo } = data[name];
+      const seen = new Map();
+      for (const row of [...frames, Math.max(rows.status.indexOf('collision'), 0)]) {
+        await go(page, row);
+        assert.equal(await frameText(page), `${row} of ${rows.status.length - 1}`);
+        const cells = new Map(await rowsOf(page, '#answer'));
+        const [lower, upper] = [rows.lower[row], rows.upper[row]];
+        const told = [cells.get('Distance, lower bound'), cells.get('Distance, upper bound')].map(Number);
+        assert.deepEqual(told, [lower, upper]);
+        if (name === 'replay') assert.deepEqual(told, [answers.replay[row].lower, answers.replay[row].upper]);
+        for (const { count } of contacts) assert.ok(cells.get('Contacts').includes(`${grouped(count[row])} pairs`));
+        for (const { status, lower } of impacts) {
+          const text = status[row] === null ? 'no frame' : status[row] === 'clear' ? 'none' : `frame ${lower[row]}: `;
+          assert.ok(cells.get('A meets B').includes(text), cells.get('A meets B'));
+        }
+        if (demo) assert.ok(cells.get('Within 10\u00a0%').includes(shown(demo.rough.upper[row])));
+        const number = lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
+        const meets = rows.status[row] === 'collision';
+        assert.equal(await page.textContent('#now-distance'), meets ? 'in contact' : number);
+        assert.equal(await page.textContent('.marks .length'), meets ? 'shared point' : number);
+        const now = (await picture(page)).text;
+        for (const [other, before] of seen) assert.equal(now === before, other === row, `frames ${row} and ${other}`);
+        seen.set(row, now);
+      }
+    }));
+}
+
+for (const [name, width, count] of [
+  ['replay', 1280, 4],
+  ['usual', 400, 3],
+]) {
+  test(`a click in a chart of ${name} goes to the frame`, () =>
+    session.show(name, { width }, async (page) => {
+      const last = Number(await page.getAttribute('#frame', 'max'));
+      const charts = await page.locator('.u-over').all();
+      assert.equal(charts.length, count);
+      for (const [i, chart] of charts.entries()) {
+        await chart.scrollIntoViewIfNeeded();
+        const box = await chart.boundingBox();
+        await chart.click({ position: { x: (box.width * (i + 1)) / 5, y: box.height / 2 } });
+        const frame = Number(await page.inputValue('#frame'));
+        assert.ok(Math.abs(frame - (last * (i + 1)) / 5) < 2, `${frame}`);
+      }
+    }));
+}
+
+test('keys and buttons step, and the page plays and pauses', () =>
+  session.show('usual', { width: 400 }, async (page) => {
+    await page.focus('#frame');
+    for (let i = 0; i < 3; ++i) await page.keyboard.press('ArrowRight');
+    assert.equal(await frameText(page), '3 of 599');
+    await page.click('#forward');
+    assert.equal(await frameText(page), '4 of 599');
+    await page.click('#back');
+    assert.equal(await frameText(page), '3 of 599');
+    await page.selectOption('#speed', '50');
+    await page.focus('#play');
+    await page.keyboard.press('Space');
+    assert.equal(await page.textContent('#play'), 'Pause');
+    await page.waitForFunction(() => Number(document.getElementById('frame').value) > 20);
+    await page.click('#play');
+    assert.equal(await page.textContent('#play'), 'Play');
+    const stopped = await frameText(page);
+    for (let i = 0; i < 5; ++i) await settled(page);
+    assert.equal(await frameText(page), stopped);
+    assert.deepEqual(page.complaints, []);
+  }));
+
+test('a view that follows the ball has it in the middle', () =>
+  session.show('usual', async (page) => {
+    const view = await page.locator('#view').boundingBox();
+    const offMiddle = async (frame) => {
+      await go(page, frame);
+      return Math.abs(Number(await page.getAttribute('.marks .badge.b', 'cx')) - view.width / 2);
+    };
+    await page.check('#follow');
+    for (const frame of [100, 250, 599]) assert.ok((await offMiddle(frame)) < 3, `frame ${frame}`);
+    await page.click('#whole');
+    assert.equal(await page.isChecked('#follow'), false);
+    const off = [await offMiddle(100), await offMiddle(250), await offMiddle(599)];
+    assert.ok(Math.max(...off) > 50, `${off}`);
+  }));
+
+test('the path of the ball has a dot for each contact, and can be hidden', () =>
+  session.show('usual', async (page) => {
+    const dots = () =>
+      page.$$eval('.marks .dots', (all) => all.map((dot) => dot.getAttribute('d').split('M').length - 1));
+    const contacts = data.usual.rows.status.filter((status) => status === 'collision').length;
+    assert.deepEqual(await dots(), [contacts, contacts]);
+    await page.uncheck('#show-path');
+    await settled(page);
+    assert.equal(await page.locator('.marks .path, .marks .dots').count(), 0);
+  }));
+
+test('charts say their medians and maxima, all in microseconds', async () => {
+  for (const name of demos) {
+    await session.show(name, async (page) => {
+      const { rows, demo } = data[name];
+      const keys = await textsOf(page, '#charts .key');
+      for (const [curve, times] of [
+        ['update', rows.update_us],
+        [name === 'few' ? 'within 30\u00a0%' : 'exact', rows.query_us],
+        ['within 10\u00a0%', demo.rough.query_us],
+      ]) {
+        const text = `${curve}: median ${shownTime(median(times))}, max ${shownTime(Math.max(...times))}`;
+        assert.ok(keys.includes(text), `${text} in ${keys}`);
+      }
+      const words = await page.textContent('main');
+      assert.ok(!/\d\s(ms|ns|us)\b/.test(words));
+      assert.equal(/medians of 20 frames/.test(words), name !== 'few');
+    });
+  }
+});
+
+test('the summary is that of the terminal', () =>
+  session.show('usual', async (page) => {
+    const rows = await rowsOf(page, '#summary');
+    const expected = data.usual.demo.summary.map(([name, text]) => [name, inPage(text)]);
+    assert.deepEqual(rows, expected);
+    assert.equal(new Map(rows).get('last frame'), 'checked against brute force: equal');
+  }));
+
+test('frames that have been left out are said to be, and charts have them', () =>
+  session.show('thinned', async (page) => {
+    const { stride } = data.thinned;
+    assert.ok(stride > 1);
+    assert.match(await page.textContent('#view-caption'), new RegExp(`1 of every ${stride} frames`));
+    assert.equal(await page.getAttribute('#frame', 'max'), String(Math.ceil(300 / stride) - 1));
+    await page.focus('#frame');
+    await page.keyboard.press('ArrowRight');
+    assert.equal(await frameText(page), `${stride} of 299`);
+  }));
+
+test('everything that is operated has a name, and shows when it has the focus', async () => {
+  await session.show('replay', (page) => tabThrough(page));
+  await session.show('usual', screens[1], (page) => tabThrough(page));
+});

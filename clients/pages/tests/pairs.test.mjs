@@ -1,0 +1,400 @@
+// SPDX-FileCopyrightText: The limber authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Pages of `limber distance`, in a browser: of one pair, of pairs of a list, and of parts.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Session, boxObj, expectGoodLooks, module, picture, rowsOf, screens, settled, tabThrough } from './support.mjs';
+import { textsOf, tileTexts } from './support.mjs';
+
+const { grouped, shown } = await module('shared/numbers.ts');
+
+const session = new Session();
+const { answers, data } = session;
+const pairs = 'apart close kept interval collision inside flush open beyond tiny minute huge'.split(' ');
+const studies = ['poses', 'mixed', 'parts'];
+
+before(async () => {
+  const store = (name, text) => session.store(name, text);
+  const box = store('box.obj', boxObj([0, 0, 0], [2, 1, 1]));
+  const plate = store('plate.obj', boxObj([-3, -3, -0.5], [5, 4, -0.2]));
+  const room = store('room.obj', boxObj([-2, -2, -2], [3, 3, 3]));
+  const corner = (size) => `v ${size} 0 0\nv 0 ${size} 0\nv 0 0 ${size}\nf 1 2 3\n`;
+  const [minute, huge] = [store('minute.obj', corner('1e-300')), store('huge.obj', corner('1e60'))];
+  const asked = {
+    apart: [box, plate],
+    close: [box, plate, '--min-clearance', '0.5'],
+    kept: [box, plate, '--min-clearance', '0.1'],
+    interval: [box, 'scene:soup:1', '--pose-b', '5,3,3,1,0,0,0', '--relative-error', '0.5'],
+    collision: [box, 'scene:ball'],
+    inside: [room, 'scene:ball', '--min-clearance', '0.1'],
+    flush: [box, box, '--pose-b', '2,0.25,0,1,0,0,0'],
+    open: [box, 'scene:square'],
+    beyond: [box, 'scene:ball', '--pose-b', '9,0,0,1,0,0,0', '--max-distance', '2'],
+    tiny: [box, 'scene:ball', '--pose-b', '0.5,0.5,2.00001,1,0,0,0'],
+    minute: [minute, minute],
+    huge: [huge, store('point.obj', 'v 1 1 3\nf 1 1 1\n')],
+  };
+  for (const name of pairs) session.make(name, 'distance', ...asked[name]);
+  const study = (name, option, rows, ...words) =>
+    session.make(name, 'distance', option, store(`${name}.csv`, rows.map((row) => `${row}\n`).join('')), ...words);
+  const heads = 'model_a,model_b,pose_b_tx,pose_b_ty,pose_b_tz';
+  const heights = Array.from({ length: 210 }, (_, i) => (i === 150 ? -0.1 : 0.02 + 1.4 * (1 + Math.cos(i / 12))));
+  const asPoses = heights.map((z) => `${box},${plate},0,0,${0.2 - z}`);
+  study('poses', '--pairs', [heads, ...asPoses], '--min-clearance', '0.5', '--unit', 'mm');
+  const mixed = [`${box},scene:ball,0,0,0`, `${room},scene:ball,0,0,0`, `${box},${box},2,0.25,0`];
+  study('mixed', '--pairs', [heads, ...mixed, `${box},scene:square,0,0,0`, `${box},${plate},0,0,0`]);
+  const partHeads = 'name,model,pose_tx';
+  const partRows = [`room,${room},0`, `box,${box},0`, `box,${box},2`, `"box, last",${box},4.1`, 'ball,scene:ball,9'];
+  study('parts', '--parts', [partHeads, ...partRows], '--min-clearance', '0.5', '--title', 'All <parts>');
+  const accepted = store('accept.csv', 'name_a,name_b,allowed\na,b,all\n');
+  study('accepted', '--parts', [partHeads, `a,${box},0`, `b,${box},1`, `c,${box},1.5`], '--accept', accepted);
+  study('far', '--parts', [partHeads, `a,${box},0`, `b,${box},9`], '--max-distance', '2', '--min-clearance', '1');
+  await session.launch();
+});
+
+after(() => session.close());
+
+/** The outlines of the section, as they are drawn, and how long they are. */
+const section = async (page) => {
+  await settled(page);
+  return page.$eval('#section .marks', (marks) => ({
+    text: marks.innerHTML,
+    length: [...marks.querySelectorAll('.outline')].reduce((sum, outline) => sum + outline.getTotalLength(), 0),
+  }));
+};
+/** Whether two sections are drawn alike: rounding may turn a tenth of a pixel. */
+const isSame = (one, other) => {
+  const [numbers, others] = [one, other].map((text) => text.match(/-?\d+(\.\d+)?/g).map(Number));
+  return numbers.length === others.length && numbers.every((number, i) => Math.abs(number - others[i]) < 0.15);
+};
+const listed = async (page) => (await rowsOf(page, '#rows')).map(([row]) => Number(row));
+
+for (const name of [...pairs, ...studies]) {
+  for (const { width, scheme } of screens) {
+    test(`${name} draws its pictures without a complaint at ${width} pixels, ${scheme}`, () =>
+      session.show(name, { width, scheme }, async (page) => {
+        await expectGoodLooks(page, width, ['poses', 'mixed'].includes(name));
+        if (pairs.includes(name)) assert.ok((await section(page)).length > 50);
+      }));
+  }
+}
+
+test('the answer is in tile, picture and table', async () => {
+  for (const name of ['apart', 'interval', 'tiny']) {
+    await session.show(name, async (page) => {
+      const { lower, upper, witness } = answers[name][0];
+      const text = lower === upper ? shown(upper) : `${shown(lower)} to ${shown(upper)}`;
+      for (const place of ['#tiles b', '#view .length', '#section .length']) {
+        assert.equal(await page.textContent(place), text);
+      }
+      const table = await page.textContent('#answer');
+      for (const number of [lower, upper, witness.point_a.join(', '), witness.point_b.join(', ')]) {
+        assert.ok(table.includes(String(number)), `${number} in ${table}`);
+      }
+    });
+  }
+  assert.ok(answers.interval[0].lower < answers.interval[0].upper);
+});
+
+test('verdicts and kinds of clashes are those of the program', async () => {
+  const words = {
+    apart: [/0\.2/, 'Clear'],
+    close: [/^\u2717 Too close/, 'Below the clearance'],
+    kept: [/^\u2713 Kept/, 'Clear'],
+    collision: [/^Hard clash/, 'Hard clash: the volumes overlap'],
+    inside: [/^\u2717 Too close.*Hard clash/, 'Hard clash: B is enclosed in A'],
+    flush: [/^Touching/, 'Touching: the volumes do not overlap'],
+    open: [/^Surfaces meet/, 'Surfaces meet: a model is not closed'],
+    beyond: [/^More than/, 'Clear'],
+  };
+  for (const [name, [tiles, clash]] of Object.entries(words)) {
+    await session.show(name, async (page) => {
+      assert.match(await page.textContent('#tiles'), tiles);
+      assert.equal(new Map(await rowsOf(page, '#answer')).get('Clash'), clash);
+    });
+  }
+});
+
+test('keys, wheel, mouse and buttons turn, move and zoom the view, and what is up can be chosen', () =>
+  session.show('apart', async (page) => {
+    const start = (await picture(page)).text;
+    let last = start;
+    const changes = async (what, action) => {
+      await action();
+      await settled(page);
+      const now = (await picture(page)).text;
+      assert.notEqual(now, last, what);
+      last = now;
+    };
+    await page.focus('#view');
+    for (const key of ['ArrowLeft', 'ArrowUp', 'Shift+ArrowRight', '+', '-', '0']) {
+      await changes(key, () => page.keyboard.press(key));
+    }
+    assert.equal(last, start);
+    const box = await page.locator('#view').boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await changes('wheel', () => page.mouse.wheel(0, -300));
+    await changes('drag', async () => {
+      await page.mouse.down();
+      await page.mouse.move(x + 60, y + 20, { steps: 4 });
+      await page.mouse.up();
+    });
+    for (const id of ['top', 'front', 'side', 'closest', 'whole']) await changes(id, () => page.click(`#${id}`));
+    assert.equal(await page.inputValue('#up'), 'y'); // both files are .obj
+    for (const up of ['z', 'y']) await changes(up, () => page.selectOption('#up', up));
+    assert.equal(last, start);
+  }));
+
+test('models and colours can be switched off', () =>
+  session.show('apart', async (page) => {
+    const names = async () => (await textsOf(page, '#view .name')).join(' ');
+    const before = await picture(page);
+    assert.ok(await page.isVisible('#legend'));
+    await page.uncheck('#show-map');
+    await settled(page);
+    assert.ok(!(await page.isVisible('#legend')));
+    assert.notEqual((await picture(page)).text, before.text);
+    assert.equal(await names(), 'A B');
+    await page.uncheck('#show-b');
+    await settled(page);
+    assert.equal(await names(), 'A');
+    assert.ok((await picture(page)).drawn < before.drawn);
+  }));
+
+test('a study says first whether the clearance is kept, and starts with the worst', () =>
+  session.show('poses', async (page) => {
+    const { rows } = data.poses;
+    const broken = rows.too_close.filter((is) => is).length;
+    assert.ok(broken > 0 && broken < 210);
+    const [verdict, worst] = await tileTexts(page);
+    assert.equal(verdict, `\u2717 ${broken} of 210pairs are closer than the required 0.5\u00a0mm`);
+    assert.ok(worst.includes('Hard clash') && worst.includes('row 150'), worst);
+    const nearest = rows.upper.map((upper, row) => [upper, row]).sort(([a, i], [b, j]) => a - b || i - j);
+    const order = await listed(page);
+    assert.equal(order[0], 150); // the one that is in the plate
+    assert.deepEqual(
+      order,
+      nearest.slice(0, 200).map(([, row]) => row),
+    );
+    assert.equal(await page.textContent('#answer-title'), 'Row 150: hard clash');
+    assert.match(await page.getAttribute('.plot', 'aria-label'), /required clearance 0\.5\u00a0mm$/);
+    assert.equal(await page.textContent('#rows-count'), 'The first 200 of 210.');
+    await page.click('#rows-more');
+    assert.equal((await listed(page)).length, 210);
+    assert.ok(!(await page.isVisible('#rows-rest')));
+  }));
+
+for (const width of [1280, 400]) {
+  test(`a click in list and chart, and steps, show a pair with the program's numbers, at ${width} pixels`, () =>
+    session.show('poses', { width }, async (page) => {
+      const shownRow = async () => Number(/Row (\d+)/.exec(await page.textContent('#answer-title'))[1]);
+      const expectRow = async (row) => {
+        await settled(page);
+        assert.equal(await shownRow(), row);
+        assert.equal(await page.textContent('#rows [aria-current] td'), String(row));
+        const { upper, status } = answers.poses[row];
+        assert.equal(Number(new Map(await rowsOf(page, '#answer')).get('Distance, upper bound')), upper);
+        const text = status === 'collision' ? 'shared point' : `${shown(upper)}\u00a0mm`;
+        assert.equal(await page.textContent('#view .length'), text);
+        return (await picture(page)).text;
+      };
+      const order = await listed(page);
+      const first = await expectRow(order[0]);
+      await page.click(`#rows tr[data-row="${order[5]}"]`);
+      const fifth = await expectRow(order[5]);
+      assert.notEqual(first, fifth);
+      await page.click('#forward');
+      await expectRow(order[6]);
+      await page.click('#back');
+      assert.equal(await expectRow(order[5]), fifth);
+      await page.focus(`#rows tr[data-row="${order[3]}"] button`);
+      for (const key of ['Enter', 'ArrowDown', 'ArrowDown', 'ArrowUp']) await page.keyboard.press(key);
+      await expectRow(order[4]);
+      assert.equal(await page.locator('#rows button[tabindex="0"]').count(), 1);
+      const chart = page.locator('.u-over');
+      await chart.scrollIntoViewIfNeeded();
+      const { width: across, height } = await chart.boundingBox();
+      await chart.click({ position: { x: across / 2, y: height / 2 } });
+      const reached = await shownRow();
+      assert.ok(Math.abs(reached - 104.5) < 3, `${reached}`);
+      await expectRow(reached);
+    }));
+
+  test(`a matrix of parts has the word of each pair, and shows it, at ${width} pixels`, () =>
+    session.show('parts', { width }, async (page) => {
+      const cells = await page.$$eval('#matrix button', (all) =>
+        all.map(({ className, dataset, title }) => ({ kind: className, row: Number(dataset.row), title })),
+      );
+      assert.equal(cells.length, 10);
+      for (const { kind, row } of cells) assert.equal(kind, answers.parts[row].clash);
+      const kinds = new Set(cells.map(({ kind }) => kind));
+      assert.deepEqual(kinds, new Set(['hard_clash', 'touching', 'clearance', 'clear']));
+      assert.match(cells.find(({ row }) => row === 4).title, /^2 box and 1 box: touching, in contact$/);
+      await page.click('#matrix button[data-row="4"]');
+      assert.equal(await page.textContent('#answer-title'), 'Pair 4: touching');
+      assert.equal(await page.textContent('#rows [aria-current] td'), '4');
+      await page.keyboard.press('ArrowDown');
+      assert.match(await page.textContent('#answer-title'), /^Pair 5: /);
+      assert.equal(await page.$eval('#matrix button[tabindex="0"]', (button) => button.dataset.row), '5');
+      assert.equal(await page.textContent('#title'), 'All <parts>');
+      assert.equal(await page.textContent('#subtitle'), '5 parts');
+    }));
+}
+
+test('the list is parted by kinds of clashes', () =>
+  session.show('mixed', async (page) => {
+    const kinds = ['All 5', 'Hard clash 2', 'Surfaces meet 1', 'Touching 1', 'Clear 1'];
+    assert.deepEqual(await textsOf(page, '#rows-kinds button'), kinds);
+    const words = (await rowsOf(page, '#rows')).map((cells) => cells[2]);
+    assert.deepEqual(words, ['Hard clash', 'Hard clash', 'Surfaces meet', 'Touching', 'Clear']);
+    await page.click('#rows-kinds button:nth-child(4)');
+    assert.deepEqual(await listed(page), [2]);
+    assert.equal(await page.getAttribute('#rows-kinds button:nth-child(4)', 'aria-pressed'), 'true');
+    await page.click('#rows-kinds button:nth-child(1)');
+    assert.equal((await listed(page)).length, 5);
+    assert.equal(await page.textContent('#title'), '5 pairs of 5 models');
+  }));
+
+test('a study without pairs says so, and accepted pairs are counted apart', async () => {
+  await session.show('far', async (page) => {
+    assert.deepEqual(await tileTexts(page), ['Noneof the parts are within 2 of each other']);
+    assert.equal(await page.locator('.pair, #matrix, #answer').count(), 0);
+    assert.deepEqual(page.complaints, []);
+  });
+  await session.show('accepted', async (page) => {
+    assert.deepEqual((await tileTexts(page)).slice(1), ['2hard clashes', '1pair is accepted']);
+    assert.deepEqual(await textsOf(page, '#rows-kinds button'), ['All 3', 'Hard clash 2', 'Accepted 1']);
+  });
+});
+
+test('the cell of a pair that a reader chooses is brought into sight', () =>
+  session.show('parts', { width: 250 }, async (page) => {
+    const { left, right, cellLeft, cellRight } = await page.evaluate(() => {
+      document.querySelector('#rows tr[data-row="9"]').click();
+      const cell = document.querySelector('#matrix [aria-current]').getBoundingClientRect();
+      const { right } = document.querySelector('.scroll:has(#matrix)').getBoundingClientRect();
+      const { right: left } = document.querySelector('#matrix th').getBoundingClientRect();
+      return { left, right, cellLeft: cell.left, cellRight: cell.right };
+    });
+    assert.ok(left <= cellLeft && cellRight <= right, `${cellLeft} to ${cellRight} in ${left} to ${right}`);
+  }));
+
+test('other parts can be hidden, and what encloses is seen through', () =>
+  session.show('parts', async (page) => {
+    const start = await picture(page);
+    assert.ok((await page.textContent('#answer')).includes('enclosed in A'));
+    await page.uncheck('#show-others');
+    await settled(page);
+    const alone = await picture(page);
+    assert.ok(alone.drawn < start.drawn, `${alone.drawn} and ${start.drawn}`);
+    await page.check('#see-through');
+    await settled(page);
+    assert.notEqual((await picture(page)).text, alone.text);
+  }));
+
+test('a page names its files, their digests and its time', () =>
+  session.show('close', async (page) => {
+    const { inputs, version, made_at } = data.close;
+    assert.equal(await page.textContent('#version'), `limber ${version} on ${made_at}`);
+    const files = inputs.map(({ name, bytes, sha256 }) => [name, grouped(bytes), sha256]);
+    assert.deepEqual((await rowsOf(page, '#inputs')).slice(1), files);
+    assert.equal(inputs.length, 2);
+  }));
+
+test('the scale has the lines of its numbers, and one at a clearance that surfaces have', async () => {
+  await session.show('close', async (page) => {
+    const ticks = await page.textContent('#legend-ticks');
+    const numbers = await page.locator('#legend-ticks span').count();
+    const lines = (await page.$eval('#legend-bar', (bar) => bar.style.background)).split('no-repeat').length - 1;
+    assert.ok(numbers > 2 && lines >= numbers - 2, `${numbers} numbers, ${lines} lines`);
+    assert.ok(await page.isVisible('#legend-limit'));
+    assert.match(await page.textContent('#legend-title'), /the red one at 0\.5$/);
+    await page.fill('#map-end', '20');
+    assert.notEqual(await page.textContent('#legend-ticks'), ticks);
+    assert.ok(!(await page.isVisible('#legend-limit')));
+    assert.doesNotMatch(await page.textContent('#legend-title'), /red/);
+  });
+  await session.show('kept', async (page) => {
+    assert.ok(!(await page.isVisible('#legend-limit'))); // the clearance is below all distances
+  });
+});
+
+test('the triangles of the closest points do not have the colour of their distance', () =>
+  session.show('apart', async (page) => {
+    const color = (tag) => page.$eval(`#view ${tag}.mark:not(.halo)`, (mark) => getComputedStyle(mark).stroke);
+    assert.notEqual(await color('polygon'), await color('line'));
+  }));
+
+test('on paper, pages are light, true to scale, and without what nobody can press', () =>
+  session.show('poses', { scheme: 'dark' }, async (page) => {
+    await page.emulateMedia({ media: 'print' });
+    await settled(page);
+    const looks = await page.evaluate(() => ({
+      ink: getComputedStyle(document.body).color,
+      list: document.getElementById('rows-scroll').clientHeight >= document.getElementById('rows').clientHeight,
+      // A page that is printed is laid out again, but not drawn again.
+      fits: [...document.querySelectorAll('canvas')].map((canvas) => getComputedStyle(canvas).objectFit),
+      help: document.getElementById('view-help').checkVisibility(),
+    }));
+    assert.deepEqual(looks, { ink: 'rgb(35, 40, 45)', list: true, fits: ['contain', 'contain'], help: false });
+  }));
+
+test('triangles that intersect are marked', () =>
+  session.show('collision', async (page) => {
+    const { yellow } = await picture(page);
+    assert.ok(yellow > 2e-4, `${yellow} is yellow`);
+  }));
+
+test('the section can be shifted, turned, moved and zoomed', () =>
+  session.show('apart', async (page) => {
+    const caption = () => page.textContent('#section-caption');
+    assert.match(await caption(), /goes through both closest points/);
+    const { text: start } = await section(page);
+    await page.click('#section-whole');
+    const { length } = await section(page);
+    await page.focus('#shift');
+    await page.keyboard.press('End'); // where there is only the plate
+    assert.ok((await section(page)).length < 0.8 * length);
+    assert.match(await caption(), /lies \S+ off both closest points/);
+    assert.notEqual(await page.textContent('#shift-text'), '0');
+    await page.focus('#turn');
+    for (let i = 0; i < 20; ++i) await page.keyboard.press('ArrowRight');
+    assert.match(await caption(), /turned by 20\u00b0/);
+    assert.ok((await section(page)).text !== start);
+    await page.click('#section-reset');
+    assert.ok(isSame((await section(page)).text, start));
+    await page.focus('#section');
+    const { x, y, width, height } = await page.locator('#section').boundingBox();
+    await page.mouse.move(x + width / 3, y + height / 3);
+    const drag = async () => {
+      await page.mouse.down();
+      await page.mouse.move(x + width / 2, y + height / 2, { steps: 3 });
+      await page.mouse.up();
+    };
+    const [press, turnWheel] = [(key) => page.keyboard.press(key), () => page.mouse.wheel(0, -300)];
+    for (const action of [() => press('ArrowLeft'), () => press('ArrowUp'), () => press('+'), turnWheel, drag]) {
+      await action();
+      assert.ok(!isSame((await section(page)).text, start), `${action}`);
+      await press('0');
+      assert.ok(isSame((await section(page)).text, start));
+    }
+  }));
+
+test('everything that is operated has a name, and shows when it has the focus', () =>
+  session.show('apart', (page) => tabThrough(page)));
+
+test('without WebGL the page says so, and has all the rest', async () => {
+  const script = `const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      return kind.startsWith('webgl') ? null : get.call(this, kind, ...more);
+    };`;
+  const look = async (page) => {
+    assert.deepEqual(page.complaints, []);
+    assert.match(await page.textContent('.no-view'), /no 3D view/);
+    assert.ok((await section(page)).length > 50);
+    assert.ok((await page.textContent('#answer')).includes(String(answers.apart[0].upper)));
+  };
+  await session.show('apart', { script }, look);
+});
