@@ -20,9 +20,9 @@ namespace {
 /// What the triangles that intersect may take in a page, and in one row of it.
 constexpr std::size_t most_triangle_bytes = 1'000'000, most_triangle_bytes_of_row = 20'000;
 
-constexpr std::array row_names = {"a",       "b",        "status",       "lower",     "upper",
-                                  "witness", "clash",    "solids",       "too_close", "inside",
-                                  "depth",   "accepted", "intersecting", "query_us",  "row"};
+constexpr std::array names_of_rows = {"a",       "b",        "status",       "lower",     "upper",
+                                      "witness", "clash",    "solids",       "too_close", "inside",
+                                      "depth",   "accepted", "intersecting", "query_us",  "row"};
 
 constexpr std::array kind_names = {"pair", "pairs", "parts"};
 
@@ -110,10 +110,10 @@ Json Study::to_json() {
   std::sort(places.begin(), places.end(),
             [&](std::size_t i, std::size_t j) { return rows_[i].first.back() < rows_[j].first.back(); });
   Json rows, worst_first = std::vector<std::size_t>(places.size());
-  for (const char* const name : row_names) rows[name] = Json::array();
+  for (const char* const name : names_of_rows) rows[name] = Json::array();
   for (std::size_t i = 0; i < places.size(); ++i) {
     worst_first[places[i]] = i;
-    append_row(rows, std::move(rows_[places[i]].second), row_names);
+    append_row(rows, std::move(rows_[places[i]].second), names_of_rows);
   }
   std::vector<const RigidModel*> models;
   Json json = {{"kind", kind_names.at(static_cast<std::size_t>(kind_))}};

@@ -20,7 +20,7 @@ void expect_all_refused(const std::string& start, const Refusals& refusals) {
   for (const auto& [rest, part] : refusals) expect_refused(start + rest, part);
 }
 
-const std::string two_balls = "scene:ball scene:ball ", tracked_balls = "track --a scene:ball --b scene:ball ";
+const std::string of_balls = "scene:ball scene:ball ", tracked_balls = "track --a scene:ball --b scene:ball ";
 const std::string not_negative = "must be a finite number >= 0";
 
 TEST(ProgramBadInput, VerbsAndOptions) {
@@ -30,15 +30,15 @@ TEST(ProgramBadInput, VerbsAndOptions) {
             "help, version"},
            {"measure", "'measure' is no verb; there are info, distance, collide, within"},
            {"--jason", "'--jason' is no option"},
-           {"--json distance " + two_balls, "distance: '--json' stands before the verb"},
+           {"--json distance " + of_balls, "distance: '--json' stands before the verb"},
            {"'measure\nfoo'", "'measure foo' is no verb"},
            {"info", "info: M is required"},
-           {"collide " + two_balls + "--relative-error 1", "'--relative-error' is no option\n"},
+           {"collide " + of_balls + "--relative-error 1", "'--relative-error' is no option\n"},
            {"track --a scene:ball", "track: --b is required"},
-           {"within " + two_balls, "within: --max-distance is required"}});
+           {"within " + of_balls, "within: --max-distance is required"}});
   expect_all_refused("distance scene:ball ",
                      {{"", "distance: B is required"}, {"--pairs x.csv", "--pairs: leaves no room for A"}});
-  expect_all_refused("distance " + two_balls,
+  expect_all_refused("distance " + of_balls,
                      {{"c d", "distance: there is no place for 'c' and 'd'"},
                       {"--fast", "distance: '--fast' is no option\n"},
                       {"--exit-code", "--exit-code: needs --max-distance or --min-clearance"},
@@ -51,7 +51,7 @@ TEST(ProgramBadInput, VerbsAndOptions) {
 }
 
 TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
-  expect_all_refused("contacts " + two_balls,
+  expect_all_refused("contacts " + of_balls,
                      {{"", "contacts: --margin, --intersections or --closest is required"},
                       {"--margin 1 --closest 2", "contacts: --margin: leaves no room for --closest"},
                       {"--margin 1 --intersections", "--margin: leaves no room for --intersections"},
@@ -82,7 +82,7 @@ TEST(ProgramBadInput, QuestionsAboutMotion) {
                                      {"--continuous --engine classic", "--continuous: belongs to --engine fast"},
                                      {"--ignore-crossings --poses-a " + two, "--continuous"}});
   for (const std::string verb : {"collide ", "distance ", "within --max-distance 1 "}) {
-    expect_all_refused(verb + two_balls,
+    expect_all_refused(verb + of_balls,
                        {{"--path-a " + one, "one.csv has one pose, and a path two or more"},
                         {"--path-a " + two + " --path-b " + three, "--path-a has 2 poses, but --path-b has 3"},
                         {"--path-b " + folder.path("missing.csv"), "missing.csv"},
@@ -90,15 +90,15 @@ TEST(ProgramBadInput, QuestionsAboutMotion) {
   }
   for (const std::string option :
        {"--relative-error 1", "--absolute-error 1", "--max-distance 1", "--min-clearance 1", "--report x.html"}) {
-    expect_refused("distance " + two_balls + "--path-b " + two + ' ' + option,
+    expect_refused("distance " + of_balls + "--path-b " + two + ' ' + option,
                    "--path-b: leaves no room for " + option.substr(0, option.find(' ')));
   }
   expect_refused("distance --pairs x.csv --path-a " + two, "--pairs: leaves no room for --path-a");
-  expect_refused("contacts " + two_balls + "--margin 1 --path-a " + two, "'--path-a' is no option");
+  expect_refused("contacts " + of_balls + "--margin 1 --path-a " + two, "'--path-a' is no option");
 }
 
 TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
-  expect_all_refused("", {{"distnace " + two_balls, "'distnace' is no verb; did you mean distance?"},
+  expect_all_refused("", {{"distnace " + of_balls, "'distnace' is no verb; did you mean distance?"},
                           {"colide", "did you mean collide?"},
                           {"ifno", "did you mean info?"},
                           {"dist", "did you mean distance?"},
@@ -107,7 +107,7 @@ TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
                           // Even where the slip leaves something else missing.
                           {"track --a scene:ball --bb scene:ball", "track: '--bb' is no option"}});
   expect_all_refused(
-      "distance " + two_balls,
+      "distance " + of_balls,
       {{"--relativ-eror 0.1", "'--relativ-eror' is no option, did you mean --relative-error?"},
        {"--relative-eror=0.1", "'--relative-eror' is no option, did you mean --relative-error?"},
        {"--max-dist 1", "did you mean --max-distance?"},
@@ -118,21 +118,20 @@ TEST(ProgramBadInput, SlipsOfThePenAreNamed) {
 
 TEST(ProgramBadInput, Numbers) {
   for (const std::string value : {"-1", "-1e-300", "nan", "inf", "-inf", "1e999", "ten", "0.1x", "0x10", "1,5", "''"}) {
-    expect_refused("distance " + two_balls + "--relative-error " + value, "--relative-error: " + not_negative);
+    expect_refused("distance " + of_balls + "--relative-error " + value, "--relative-error: " + not_negative);
   }
   for (const std::string value : {"-1", "nan", "inf", "''"}) {
-    expect_all_refused("", {{"contacts " + two_balls + "--margin " + value, "--margin: " + not_negative},
+    expect_all_refused("", {{"contacts " + of_balls + "--margin " + value, "--margin: " + not_negative},
                             {"self scene:ball --margin " + value, "--margin: " + not_negative},
-                            {"within " + two_balls + "--max-distance " + value, "--max-distance: " + not_negative},
+                            {"within " + of_balls + "--max-distance " + value, "--max-distance: " + not_negative},
                             {tracked_balls + "--motion-margin " + value, "--motion-margin: " + not_negative}});
   }
   for (const std::string value : {"0", "-1", "nan", "inf"}) {
-    expect_refused("distance " + two_balls + "--min-clearance " + value,
-                   "--min-clearance: must be a finite number > 0");
+    expect_refused("distance " + of_balls + "--min-clearance " + value, "--min-clearance: must be a finite number > 0");
   }
-  expect_all_refused("distance " + two_balls, {{"--absolute-error -1", "--absolute-error: " + not_negative},
-                                               {"--max-distance -1", "--max-distance: must be a number >= 0"},
-                                               {"--max-distance nan", "--max-distance: must be a number >= 0"}});
+  expect_all_refused("distance " + of_balls, {{"--absolute-error -1", "--absolute-error: " + not_negative},
+                                              {"--max-distance -1", "--max-distance: must be a number >= 0"},
+                                              {"--max-distance nan", "--max-distance: must be a number >= 0"}});
   expect_all_refused(tracked_balls, {{"--mode depth", "--mode: must be one of immediate|batched|by-depth"},
                                      {"--mode batched", "--mode: belongs to --engine classic"},
                                      {"--stale-ratio 2", "--stale-ratio: belongs to --engine classic"},
@@ -150,7 +149,7 @@ TEST(ProgramBadInput, Numbers) {
 }
 
 TEST(ProgramBadInput, Poses) {
-  expect_all_refused("collide " + two_balls + "--pose-b ",
+  expect_all_refused("collide " + of_balls + "--pose-b ",
                      {{"0,0,0,0,0,0,0", "--pose-b: the quaternion"},
                       {"0,0,0,nan,0,0,0", "--pose-b: the quaternion"},
                       {"0,0,0,1,0,0,1e400", "--pose-b: the quaternion"},

@@ -10,15 +10,15 @@
 namespace limber::program_tests {
 namespace {
 
-const std::string witness =
+const std::string witness_columns =
     "point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,triangle_a,triangle_b,face_a,face_b";
 const std::string of_pair =
     "triangle_a,triangle_b,distance,depth,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,normal_x,normal_"
     "y,"
     "normal_z,normal_side,feature_a,feature_b,face_a,face_b";
-const std::string of_answer = "status,lower,upper," + witness +
+const std::string of_answer = "status,lower,upper," + witness_columns +
                               ",too_close,inside,clash,solids,depth,accepted,query_us,node_tests,primitive_tests";
-const std::string of_frame = "frame,update_us,query_us,status,lower,upper," + witness +
+const std::string of_frame = "frame,update_us,query_us,status,lower,upper," + witness_columns +
                              ",moved_vertices,refits,absorbed,node_tests,primitive_tests";
 const std::string of_point =
     "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2";
