@@ -35,7 +35,7 @@
 namespace limber::bvh {
 namespace {
 
-// Primitives below which another task costs more than it saves (docs/design/fast_engine.md).
+// Primitives below which another task costs more than it saves (docs/design/one_query.md).
 constexpr std::size_t worth_a_task = 8192;
 
 // Windows up to this size are finished directly: by a kernel up to simd::few_points primitives, else by quickselect.

@@ -2,6 +2,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Triangles of one mesh that share vertices: which of them certainly have nothing else in common.
+//
+// Seen along an axis, a triangle lies in a sector at its shared corner s, between its edges a0 and a1 from there. Two
+// triangles have but that corner in common if a line through s along one of the four edges has them on its two sides:
+//
+//         a1   a0                                    a1
+//          \ a |                                       \  a
+//           \  |   b1                                   \      left
+//            \ |  /                                      s ---------- a0 = b0
+//             \| /  b                                   /      right
+//              s ------ b0                             /  b
+//                                                     b1
+//   One shared corner: a is on the left         Two shared corners: a1 is on the left
+//   of a0, and b0 and b1 are on its right.      of the shared edge, and b1 on its right.
+//
+// Which corners these are follows from the mask of those that are shared. With 0, 1, 2 for the corners of a triangle:
+//
+//   shared               0    1    2   | 0 1   0 2   1 2
+//   s                    0    1    2   |  0     0     1
+//   first other, a0      2    2    1   |  1     2     2     of two shared corners the second
+//   second other, a1     1    0    0   |  2     1     0     of two shared corners the one that is not shared: the apex
 
 #if defined(LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H
@@ -69,13 +89,11 @@ LIMBER_KERNEL SharedCorners shared_corners(const LeafOfMesh& a, const Slots& in_
   return s;
 }
 
-/// A triangle with a shared corner in the plane of two axes, seen from there. If two corners are shared, the first is
-/// the other one.
+/// A triangle with a shared corner in the plane of two axes, seen from there; the corners are those of the table above.
 struct Sector {
   Packet x[2], y[2];  // of the first and second other corner
 
   LIMBER_KERNEL Sector(const Mask (&is_shared)[3], const LeafCorners& c, const Slots& slots, const int (&axis)[2]) {
-    // Of one shared corner or two: the first, the first of those that are not, and the one that is left.
     const Mask is_middle_left = is_shared[0] ^ is_shared[1];
     Packet* const to[2] = {x, y};
     for (int k = 0; k < 2; ++k) {

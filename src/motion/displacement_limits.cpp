@@ -239,7 +239,7 @@ void share_motions(const MovingPair& models, double separation, std::span<double
   if (!of_b.empty()) check_numbers(of_b, models.model(Side::b).start.size(), 1, function);
   SharedMotions collector(models, separation, of_a, of_b);
   pair::BudgetMeter meter;  // without limits
-  ImpactSearch<SharedMotions>(models, separation, collector).run(meter);
+  ImpactSearch<SharedMotions>(models, separation, collector, meter).run();
 }
 
 }  // namespace

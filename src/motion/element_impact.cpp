@@ -13,7 +13,6 @@
 #include "motion/exact_impact.h"
 #include "motion/impact_filter.h"
 #include "motion/moving_elements.h"
-#include "motion/moving_vectors.h"
 #include "motion/precise_root.h"
 #include "motion/separation_search.h"
 

@@ -16,7 +16,7 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "motion/moving_vectors.h"
+#include "motion/moving_elements.h"
 
 namespace limber::motion {
 namespace {

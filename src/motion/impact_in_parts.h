@@ -16,15 +16,9 @@ struct FoundImpact {
   QueryStats stats{};
 };
 
-// Queries on the threads of the calling arena, without limits. In a source of their own, so that the compiler inlines
-// the loop of one thread as if there were no other.
-
-/// The first impact, with the bits that one thread gives. `stats` count the split and the parts whose answers count, so
-/// they do not depend on threads, but are a little more than those of one thread.
+/// The first impact on the threads of the calling arena, without limits, with the bits that one thread gives. `stats`
+/// count the split and the parts whose answers count, so they do not depend on threads, but are a little more than
+/// those of one thread.
 FoundImpact find_first_in_parts(const MovingPair& models, const ImpactOptions& options);
-
-/// Visits what one thread would, in its order, afterwards, on the calling thread.
-PairCount visit_in_parts(const MovingPair& models, const ImpactOptions& options, ImpactVisitor visit);
-PairCount visit_in_parts(const MovingPair& models, const ImpactOptions& options, ImpactCandidateVisitor visit);
 
 }  // namespace limber::motion

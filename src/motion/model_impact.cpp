@@ -13,7 +13,7 @@
 #include "motion/impact_in_parts.h"
 #include "motion/impact_search.h"
 #include "motion/moving_pair.h"
-#include "pair/contacts_in_parts.h"
+#include "pair/parts.h"
 
 namespace limber {
 namespace motion {
@@ -58,10 +58,10 @@ CollideResult collide_at_start(const MovingPair& models, const ImpactOptions& op
 /// The first impact, on one thread.
 FoundImpact find_first(const MovingPair& models, const ImpactOptions& options) {
   FirstImpact collector(options);
-  ImpactSearch<FirstImpact> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);
-  search.run(meter);
-  return {collector, search.first_open_time(), meter.stopped_by(), search.stats};
+  ImpactSearch<FirstImpact> search(models, options.min_separation, collector, meter);
+  search.run();
+  return {collector, search.first_open_time(), meter.stopped_by(), search.stats()};
 }
 
 ImpactResult first_touch(const MovingPair& models, const ImpactOptions& options) {
@@ -86,16 +86,38 @@ ImpactResult first_impact(const MovingPair& models, const ImpactOptions& options
   return result;
 }
 
+/// Visits what one thread would, in its order, afterwards, on the calling thread.
+template <typename Collector, typename Pair>
+PairCount count_in_parts(const MovingPair& models, const ImpactOptions& options, FunctionRef<bool(const Pair&)> visit) {
+  PairCount result;
+  base::ListFiller<Pair> none;
+  Collector lister(options, none);
+  pair::BudgetMeter meter(options.budget);
+  ImpactSearch<Collector> top(models, options.min_separation, lister, meter);
+  const std::vector<SlotPair> parts = top.split(pair::part_count);
+  result.stats = top.stats();
+  const auto found = pair::search_parts<base::ListFiller<Pair>>(
+      parts, result.stats, [&](const SlotPair& part, base::ListFiller<Pair>& list, QueryStats& stats) {
+        Collector collector(options, list);
+        pair::BudgetMeter own_meter(options.budget);
+        ImpactSearch<Collector> search(models, options.min_separation, collector, own_meter);
+        search.run(part);
+        stats = search.stats();
+      });
+  pair::visit_found(found, visit, result);
+  return result;
+}
+
 /// Visits pairs with a collector of all of them.
 template <typename Collector, typename Visitor>
 PairCount visit_all(const MovingPair& models, const ImpactOptions& options, Visitor visit) {
-  if (pair::runs_in_parallel(options)) return visit_in_parts(models, options, visit);
+  if (pair::runs_in_parallel(options)) return count_in_parts<Collector>(models, options, visit);
   Collector collector(options, visit);
-  ImpactSearch<Collector> search(models, options.min_separation, collector);
   pair::BudgetMeter meter(options.budget);
-  search.run(meter);
+  ImpactSearch<Collector> search(models, options.min_separation, collector, meter);
+  search.run();
   const bool is_complete = !collector.is_done() && meter.stopped_by() == StoppedBy::nothing;
-  return {collector.count, is_complete, meter.stopped_by(), search.stats};
+  return {collector.count, is_complete, meter.stopped_by(), search.stats()};
 }
 
 }  // namespace

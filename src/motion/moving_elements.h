@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "limber/motion.h"
 
 namespace limber::motion {
@@ -28,6 +31,43 @@ struct MovingElements {
     return {Kind::edge_edge,
             {{a.start.p0, a.start.p1, b.start.p0, b.start.p1}, {a.end.p0, a.end.p1, b.end.p0, b.end.p1}}};
   }
+};
+
+/// The width to which times are narrowed: the spacing of doubles between 1/2 and 1. Shorter pieces are not halved.
+inline constexpr double time_resolution = 0x1p-53;
+
+/// The three vectors of MovingElements at a time. Where det(u, v, w) is 0 the elements are in one plane; divided by
+/// |u x v| it is the distance of the vertex from the plane of the face, or that of the lines of the edges.
+struct Vectors {
+  Vec3 u, v, w;
+};
+
+inline Vectors operator+(const Vectors& a, const Vectors& b) { return {a.u + b.u, a.v + b.v, a.w + b.w}; }
+inline Vectors operator-(const Vectors& a, const Vectors& b) { return {a.u - b.u, a.v - b.v, a.w - b.w}; }
+inline Vectors operator*(double s, const Vectors& a) { return {s * a.u, s * a.v, s * a.w}; }
+
+inline Vectors vectors_of(MovingElements::Kind kind, const Vec3 (&p)[4]) {
+  if (kind == MovingElements::Kind::vertex_face) return {p[2] - p[1], p[3] - p[1], p[0] - p[1]};
+  return {p[1] - p[0], p[2] - p[3], p[2] - p[0]};
+}
+
+/// The coefficients of det(u, v, w) in Bernstein form over a piece of time.
+struct BernsteinVolume {
+  double c[4];
+
+  BernsteinVolume(const Vectors& begin, const Vectors& end) {
+    const Vec3 at_begin = cross(begin.v, begin.w), at_end = cross(end.v, end.w);
+    const Vec3 mixed = cross(begin.v, end.w) + cross(end.v, begin.w);
+    c[0] = dot(begin.u, at_begin), c[1] = (dot(end.u, at_begin) + dot(begin.u, mixed)) / 3;
+    c[2] = (dot(begin.u, at_end) + dot(end.u, mixed)) / 3, c[3] = dot(end.u, at_end);
+  }
+
+  /// If all have one sign, the least of their sizes; else 0 or less.
+  double least_size() const {
+    const double least = std::min({c[0], c[1], c[2], c[3]}), most = std::max({c[0], c[1], c[2], c[3]});
+    return std::max(least, -most);
+  }
+  double largest_size() const { return std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[2]), std::abs(c[3])}); }
 };
 
 }  // namespace limber::motion

@@ -16,7 +16,7 @@
 #include <cstddef>
 
 #include "base/error_free.h"
-#include "motion/moving_vectors.h"
+#include "motion/moving_elements.h"
 
 namespace limber::motion {
 namespace {

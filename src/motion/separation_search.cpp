@@ -20,7 +20,7 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "geometry/primitives.h"
-#include "motion/moving_vectors.h"
+#include "motion/moving_elements.h"
 
 namespace limber::motion {
 namespace {

@@ -8,21 +8,9 @@
 #include <iterator>
 
 #include "base/check.h"
-#include "bvh/tree.h"
+#include "pair/node_pair.h"
 
 namespace limber::pair {
-
-/// Two slots whose subtrees are still to be compared, or all that a record of a front has not expanded.
-struct NodePair {
-  static constexpr std::uint16_t no_record = 0xffff;
-  static constexpr std::uint8_t whole_record = 0xff;
-
-  float bound_sq;  ///< squared lower bound of their distance, in squared units of a's tree; 0 when nothing is proven
-  bvh::SlotId slot[2];
-  std::uint16_t record;  ///< the Front::Record of the expansion it comes from
-  std::uint8_t child;    ///< of that expansion, or whole_record; then `slot` is not used
-  bool is_bounded;       ///< by the triangles of a leaf, see BestFirst::prunes_by_leaf()
-};
 
 /// The pairs that a traversal has not taken yet, in a fixed amount of memory.
 ///

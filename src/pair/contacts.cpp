@@ -4,6 +4,7 @@
 // The public queries for all pairs, and those of one model with itself: each checks its arguments, and searches with a
 // collector.
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "base/access.h"
@@ -15,8 +16,8 @@
 #include "pair/collectors/closest_pairs.h"
 #include "pair/collectors/pairs_within.h"
 #include "pair/collectors/self_pairs.h"
-#include "pair/contacts_in_parts.h"
 #include "pair/distance_answer.h"
+#include "pair/parts.h"
 #include "pair/placed_self_intersections.h"
 #include "pair/search.h"
 
@@ -29,31 +30,20 @@ using pair::PairsOfTwo;
 /// A model twice in the same place.
 pair::PlacedPair with_itself(const Model& model) { return {Placed{model}, Placed{model}}; }
 
-template <typename Collector>
-PairCount count_all(const pair::PlacedPair& placed, Collector& collector, const QueryBudget& budget) {
-  PairCount result;
-  pair::BudgetMeter meter(budget);
-  result.stopped_by = pair::search_all(placed, collector, meter, result.stats);
-  result.count = collector.count;
-  result.is_complete = !collector.is_done() && result.stopped_by == StoppedBy::nothing;
-  return result;
-}
-
 template <typename Pairs>
 PairCount visit_intersections(const pair::PlacedPair& placed, const Pairs& pairs, TrianglePairVisitor visit,
                               const PairOptions& options) {
-  if (pair::runs_in_parallel(options)) return pair::visit_intersections_in_parts(placed, pairs, visit, options.budget);
-  pair::AllIntersections<Pairs> collector(pairs, visit);
-  return count_all(placed, collector, options.budget);
+  using Collector = pair::AllIntersections<Pairs>;
+  const auto make = [&](TrianglePairVisitor visitor) { return Collector(pairs, visitor); };
+  return pair::visit_all<Collector, TrianglePair>(placed, make, visit, options);
 }
 
 template <typename Pairs>
 PairCount visit_contacts(const pair::PlacedPair& placed, const Pairs& pairs, double margin, ContactVisitor visit,
                          const PairOptions& options) {
-  if (pair::runs_in_parallel(options))
-    return pair::visit_contacts_in_parts(placed, pairs, margin, visit, options.budget);
-  pair::PairsWithin<Pairs> collector(pairs, margin, visit);
-  return count_all(placed, collector, options.budget);
+  using Collector = pair::PairsWithin<Pairs>;
+  const auto make = [&](ContactVisitor visitor) { return Collector(pairs, margin, visitor); };
+  return pair::visit_all<Collector, Contact>(placed, make, visit, options);
 }
 
 template <typename Pairs>
@@ -73,6 +63,37 @@ PairCount closest_pairs(const pair::PlacedPair& placed, const Pairs& pairs, std:
   return result;
 }
 
+/// The collector of intersect_in_parts(): all parts end when one has found a pair.
+template <typename Pairs>
+class AnyIntersection {
+ public:
+  static constexpr pair::Hits hits = pair::Hits::all;
+  static constexpr bool is_self = Pairs::is_self;
+
+  AnyIntersection(const Pairs& pairs, std::atomic<bool>& has_found) : pairs_(pairs), has_found_(has_found) {}
+
+  double initial_cutoff() const { return std::numeric_limits<double>::min(); }
+  bool is_done() const { return has_found_.load(std::memory_order_relaxed); }
+
+  void compare(const pair::PlacedTriangle& a, const pair::PlacedTriangle& b) {
+    if (pairs_.meet(a, b)) has_found_.store(true, std::memory_order_relaxed);
+  }
+
+ private:
+  const Pairs& pairs_;
+  std::atomic<bool>& has_found_;
+};
+
+template <typename Pairs>
+bool any_in_parts(const pair::PlacedPair& placed, const Pairs& pairs, const QueryBudget& budget, QueryStats& stats) {
+  struct Nothing {};
+  using Collector = AnyIntersection<Pairs>;
+  std::atomic<bool> has_found = false;
+  pair::search_all_in_parts<Collector, Nothing>(
+      placed, [&](Nothing&) { return Collector(pairs, has_found); }, budget, stats);
+  return has_found;
+}
+
 PairOptions pair_options(const ClosestPairsOptions& options) {
   return {.filter = options.filter, .oriented_faces = options.oriented_faces};
 }
@@ -84,6 +105,13 @@ StoppedBy pair::visit_placed_self_intersections(const Placed& model, TrianglePai
   AllIntersections<PairsOfOne> collector(PairsOfOne(model.model().mesh(), {}), visit);
   BudgetMeter meter(budget);
   return search_all(PlacedPair(model, model), collector, meter, stats);
+}
+
+bool pair::intersect_in_parts(const Placed& a, const Placed& b, bool is_self, const QueryBudget& budget,
+                              QueryStats& stats) {
+  if (!is_self) return any_in_parts(PlacedPair(a, b), PairsOfTwo(a, b, {}), budget, stats);
+  const Placed model{a.model()};
+  return any_in_parts(PlacedPair(model, model), PairsOfOne(a.model().mesh(), {}), budget, stats);
 }
 
 PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit, const PairOptions& options) {

@@ -10,7 +10,7 @@
 #include "base/span_filler.h"
 #include "limber/elements.h"
 #include "pair/collectors/elements_within.h"
-#include "pair/contacts_in_parts.h"
+#include "pair/parts.h"
 #include "pair/search.h"
 
 namespace limber {
@@ -54,8 +54,8 @@ ElementPairCount count_elements_in_parts(const ElementSearch<is_self>& search, V
   using Collector = pair::ElementsWithin<is_self>;
   ElementPairCount result;
   const std::vector<ElementLists> parts = pair::search_all_in_parts<Collector, ElementLists>(
-      search.placed, [&](ElementLists& lists) { return search.collector(lists.vertex_face, lists.edge_edge); },
-      [](Collector& collector) { collector.compare_collected(); }, budget, result.stats);
+      search.placed, [&](ElementLists& lists) { return search.collector(lists.vertex_face, lists.edge_edge); }, budget,
+      result.stats);
   result.is_complete = visit_parts(parts, &ElementLists::vertex_face, visit_vertex_face, result.vertex_face) &&
                        visit_parts(parts, &ElementLists::edge_edge, visit_edge_edge, result.edge_edge);
   return result;
@@ -72,7 +72,6 @@ ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFace
   ElementPairCount result;
   pair::BudgetMeter meter(options.budget);
   result.stopped_by = pair::search_all(placed, collector, meter, result.stats);
-  if (!collector.is_done()) collector.compare_collected();
   result.vertex_face = collector.vertex_face_count, result.edge_edge = collector.edge_edge_count;
   result.is_complete = !collector.is_done() && result.stopped_by == StoppedBy::nothing;
   return result;

@@ -3,22 +3,42 @@
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "base/access.h"
 #include "base/check.h"
-#include "base/parallel.h"
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/all_pairs.h"
 #include "pair/best_first.h"
+#include "pair/parts.h"
 #include "pair/query_cache_impl.h"
 #include "pair/search_by_point.h"
 #include "pair/search_context.h"
 
 namespace limber::pair {
+
+// How a search for the best goes. Each arrow is one call; every leaf is an answer.
+//
+//   search()  ── bounds of the roots are beyond the cutoff ──────────────────────────── done
+//      │      ── two single triangles ─────────────────────────── compare() ─────────── done
+//      │      the pair of the last answer is compared, if a cache has one that pays
+//      │      ── it is all that is looked for ───────────────────────────────────────── done
+//      │      ── a model is a point ───────────────────────────── search_by_point() ─── done
+//      ├── no cache ──────► without_cache()                       from the roots
+//      └── a cache ───────► with_cache()
+//             ├── neither bound nor front has paid ────────────── without_cache()
+//             ├── the bound that is kept reaches the cutoff ──────────────────────────── done
+//             ├── the front has not paid ──────────────────────── without_cache(), which renews the bound
+//             └── a walk is interrupted, a budget needs the front, or it has paid ────── recording()
+//                    ├── goes on where it was interrupted
+//                    ├── starts with the records of the front
+//                    └── starts from the roots; where the front overflows, the recorder lets it go, and the same walk
+//                        goes on
+//
+// search_self() walks without a front, search_all() and search_all_in_parts() offer all pairs.
 
 /// What is known of the pairs that a search has not compared.
 struct Unsearched {
@@ -27,85 +47,70 @@ struct Unsearched {
   double work = 0;  ///< pairs of nodes and of leaves that were compared
 };
 
-/// Ends a traversal that has made all its steps, or as many as its budget allows.
-template <typename Collector, bool has_front>
-Unsearched finish(BestFirst<Collector, has_front>& traversal, const Search& search, double root_bound,
-                  const Collector& collector) {
-  const double open = traversal.finish();
-  Unsearched left{0, StoppedBy::nothing, static_cast<double>(traversal.work())};
+/// Ends a walk that has come to its end, or to that of its budget: what is open is at least `open` apart.
+template <typename Collector>
+Unsearched unsearched(const Search& search, double root_bound, double open, std::uint64_t work,
+                      const Collector& collector) {
+  Unsearched left{0, StoppedBy::nothing, static_cast<double>(work)};
   if (collector.is_done()) return left;
   left.distance = std::max(root_bound, std::min(open, search.pruning.cutoff()));
   if (open < search.pruning.cutoff()) left.stopped_by = search.meter.stopped_by();
   return left;
 }
 
-/// Runs a traversal from the roots, without a front.
+/// Walks from the roots.
 template <typename Collector>
-Unsearched traverse(const Search& search, double root_bound, Collector& collector) {
-  BestFirst<Collector, false> traversal(search, collector, nullptr);
-  traversal.start(root_bound);
-  while (traversal.step()) {
-  }
-  return finish(traversal, search, root_bound, collector);
+Unsearched without_cache(const Search& search, double root_bound, Collector& collector) {
+  TraversalState state;
+  state.clear();
+  BestFirst<Collector> walk(search, collector, state);
+  walk.start(root_bound);
+  walk.run();
+  return unsearched(search, root_bound, walk.least_open(), state.work, collector);
 }
 
-/// Goes on without recording where a traversal has found its front full: drops the records.
+/// Walks with a recorder: goes on with the walk that was interrupted, or starts with the records of the last one, or
+/// from the roots if that promises to be cheaper. Where a new front overflows, the walk goes on without.
 template <typename Collector>
-Unsearched traverse_on(const Search& search, double root_bound, Front& front, Collector& collector) {
-  front.forget_records();
-  BestFirst<Collector, false> traversal(search, collector, nullptr);
-  traversal.start_with(front.state());
-  while (traversal.step()) {
-  }
-  const Unsearched left = finish(traversal, search, root_bound, collector);
-  front.finish(search.placed.tree(Side::a).unit);
-  return left;
-}
-
-/// Runs a traversal that records a front: goes on with the one that was interrupted, or starts with the records of the
-/// last one, or from the roots if that promises to be cheaper.
-template <typename Collector>
-Unsearched traverse_recording(const Search& search, double root_bound, bool continues, QueryCache::Impl& cache,
-                              Collector& collector) {
+Unsearched recording(const Search& search, double root_bound, bool continues, QueryCache::Impl& cache,
+                     Collector& collector) {
   Front& front = cache.front;
-  BestFirst<Collector, true> traversal(search, collector, &front);
+  TraversalState& state = front.state();
+  if (!continues) state.clear();
+  BestFirst<Collector, FrontRecorder> walk(search, collector, front);
   bool is_new = false;
   if (continues) {
-    traversal.go_on();
-  } else if (!traversal.start_with_records()) {
+    search.pruning.restore_direction(front.go_on());
+  } else if (!walk.start_with_records()) {
     front.forget_records();
-    traversal.start(root_bound);
+    state.clear();
+    if (!search.meter.is_limited()) walk.observer().set_may_give_up();
+    walk.start(root_bound);
     is_new = true;
   }
-  const bool may_give_up = is_new && !search.meter.is_limited();
-  while (!(may_give_up && front.overflows()) && traversal.step()) {
-  }
-  const Unsearched left = may_give_up && front.overflows() ? traverse_on(search, root_bound, front, collector)
-                                                           : finish(traversal, search, root_bound, collector);
-  if (search.meter.is_limited() || continues) return left;  // parts of a query say nothing about what a front saves
-  if (is_new) {
-    cache.judge_new_front(left.work);
+  walk.run();
+  const Unsearched left = unsearched(search, root_bound, walk.least_open(), state.work, collector);
+  if (!walk.observer().is_recording() || state.queue.empty() || collector.is_done()) {
+    front.finish(search.placed.tree(Side::a).unit);
   } else {
-    cache.judge_front(left.work);
+    front.suspend(search.pruning.cutoff(), search.pruning.direction());
   }
+  if (search.meter.is_limited() || continues) return left;  // parts of a query say nothing about what a front saves
+  is_new ? cache.judge_new_front(left.work) : cache.judge_front(left.work);
   return left;
 }
 
-/// Runs a traversal with a cache. Its bound and its front are each used on trial: is_due() says whether that has paid
-/// lately, and the judge_...() functions report what was gained or lost (Trial). In this order:
-///   1. An interrupted traversal is continued (`continues`).
-///   2. If neither bound nor front pays, the query is made without them.
-///   3. If the bound that is kept reaches the cutoff, it is the answer.
-///   4. If the front pays, or a budget needs it, a traversal records or resumes it; else only the bound is renewed.
+/// Walks with a cache. Its bound and its front are each used on trial: is_due() says whether that has paid lately, and
+/// the judge_...() functions report what was gained or lost (Trial). The diagram above says in which order.
 template <typename Collector>
-Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& cache, Collector& collector) {
+Unsearched with_cache(const Search& search, double root_bound, QueryCache::Impl& cache, Collector& collector) {
   Front& front = cache.front;
   const PlacedPair& placed = search.placed;
   if (front.may_lack_ties(placed, collector.initial_cutoff())) front.clear();
   const bool continues = front.can_continue(placed, search.pruning.cutoff());
   if (!continues && !search.meter.is_limited() && !cache.bound.is_due()) {
     front.clear();
-    const Unsearched left = traverse(search, root_bound, collector);
+    const Unsearched left = without_cache(search, root_bound, collector);
     cache.work_of_new = left.work;
     return left;
   }
@@ -117,10 +122,10 @@ Unsearched traverse(const Search& search, double root_bound, QueryCache::Impl& c
   }
   Unsearched left{0};
   if (continues || search.meter.is_limited() || cache.recording.is_due()) {
-    left = traverse_recording(search, root_bound, continues, cache, collector);
+    left = recording(search, root_bound, continues, cache, collector);
   } else {
     front.forget_records();
-    left = traverse(search, root_bound, collector);
+    left = without_cache(search, root_bound, collector);
     front.finish(placed.tree(Side::a).unit);
     cache.work_of_new = left.work;
     cache.judge_bound(false);
@@ -183,11 +188,11 @@ Unsearched search(const PlacedPair& placed, QueryCache* cache, Collector& collec
   Frames frames(placed);
   const Search context{placed, frames, pruning, meter, stats};
   if constexpr (Collector::hits == Hits::k_closest) {
-    return traverse(context, root_bound, collector);
+    return without_cache(context, root_bound, collector);
   } else {
-    if (last == nullptr) return traverse(context, root_bound, collector);
+    if (last == nullptr) return without_cache(context, root_bound, collector);
     const double at_first = pruning.cutoff();
-    const Unsearched left = traverse(context, root_bound, *last, collector);
+    const Unsearched left = with_cache(context, root_bound, *last, collector);
     if (pruning.skips_ties()) last->front.note_skipped_ties(pruning.cutoff());
     if (tries_pair && !meter.is_limited()) {
       constexpr double close = 1.25;  // the last pair has helped if it was at most that much farther than the answer
@@ -216,7 +221,7 @@ Unsearched search_self(const PlacedPair& placed, const QueryCache::Impl* last, C
     if (collector.is_done()) return {pruning.cutoff()};
   }
   Frames frames(placed);
-  return traverse({placed, frames, pruning, meter, stats}, 0, collector);
+  return without_cache(Search{placed, frames, pruning, meter, stats}, 0, collector);
 }
 
 /// Offers a collector all pairs of triangles, or of leaves, that may count: of two models, or of one that stands on
@@ -237,14 +242,13 @@ StoppedBy search_all(const PlacedPair& placed, Collector& collector, BudgetMeter
 }
 
 /// As search_all() without limits, on the threads of the calling arena: parts of the work have a collector of their
-/// own each, make_collector(found), for which finish(collector) is called in the end. Returns what they have found.
+/// own each, make_collector(found). Returns what they have found.
 ///
 /// Promise  The parts do not depend on the number of threads. One after the other they offer the pairs of search_all()
 ///          in its order.
-template <typename Collector, typename Found, typename Make, typename Finish>
-std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& make_collector, const Finish& finish,
-                                       const QueryBudget& budget, QueryStats& stats) {
-  constexpr std::size_t part_count = 256;  // many more than threads, as parts differ in size
+template <typename Collector, typename Found, typename Make>
+std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& make_collector, const QueryBudget& budget,
+                                       QueryStats& stats) {
   BudgetMeter meter(budget);
   Found none;
   Collector lister = make_collector(none);
@@ -256,22 +260,36 @@ std::vector<Found> search_all_in_parts(const PlacedPair& placed, const Make& mak
     if (root_bound >= pruning.distance()) return {};
   }
   Frames frames(placed);
-  const std::vector<SearchPart> parts =
-      AllPairs<Collector>({placed, frames, pruning, meter, stats}, lister).split(root_bound, part_count);
-  std::vector<Found> found(parts.size());
-  std::vector<QueryStats> stats_of(parts.size());
-  base::parallel_for(parts.size(), 1, [&](std::size_t i) {
-    BudgetMeter own_meter(budget);
-    Pruning own_pruning(pruning);
-    Frames own_frames(frames);
-    Collector collector = make_collector(found[i]);
-    AllPairs<Collector>({placed, own_frames, own_pruning, own_meter, stats_of[i]}, collector).run(parts[i]);
-    finish(collector);
-  });
-  for (const QueryStats& s : stats_of) {
-    stats += s;
+  AllPairs<Collector> top({placed, frames, pruning, meter, stats}, lister);
+  return search_parts<Found>(top.split(root_bound, part_count), stats,
+                             [&](const SearchPart& part, Found& found, QueryStats& stats_of_part) {
+                               BudgetMeter own_meter(budget);
+                               Pruning own_pruning(pruning);
+                               Frames own_frames(frames);
+                               Collector collector = make_collector(found);
+                               const Search search{placed, own_frames, own_pruning, own_meter, stats_of_part};
+                               AllPairs<Collector>(search, collector).run(part);
+                             });
+}
+
+/// Offers all pairs to a collector, make_collector(visitor); or, in parallel, to one for each part, and visits
+/// afterwards, on the calling thread and in the same order, what they have found.
+template <typename Collector, typename Pair, typename Options, typename Make>
+PairCount visit_all(const PlacedPair& placed, const Make& make_collector, FunctionRef<bool(const Pair&)> visit,
+                    const Options& options) {
+  PairCount result;
+  if (runs_in_parallel(options)) {
+    using List = base::ListFiller<Pair>;
+    visit_found(search_all_in_parts<Collector, List>(placed, make_collector, options.budget, result.stats), visit,
+                result);
+    return result;
   }
-  return found;
+  Collector collector = make_collector(visit);
+  BudgetMeter meter(options.budget);
+  result.stopped_by = search_all(placed, collector, meter, result.stats);
+  result.count = collector.count;
+  result.is_complete = !collector.is_done() && result.stopped_by == StoppedBy::nothing;
+  return result;
 }
 
 /// Notes an answer for the next query.

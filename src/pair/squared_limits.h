@@ -38,6 +38,8 @@ class SquaredLimits {
 
   /// In squared units of the tree of that side.
   float of(Side s) const { return limit_sq_[index(s)]; }
+  /// In those of the bounds of pairs, which are the units of a.
+  float of_pairs() const { return of(Side::a); }
 
   /// Converts the bound of a child from squared units of its tree to those of a, and raises it to that of its parent.
   float bound_of_child(Side s, float order, float parent) const {
@@ -48,6 +50,8 @@ class SquaredLimits {
   double length_of(Side s, float bound_sq) const {
     return std::sqrt(static_cast<double>(bound_sq)) * placed_.tree(s).unit * double{base::squares_down};
   }
+  /// The bound of a pair as a length, rounded down.
+  double length_of_pair(float bound_sq) const { return length_of(Side::a, bound_sq); }
   /// A length as a bound of a pair, rounded down.
   float bound_of(double length) const {
     const double units = length / placed_.tree(Side::a).unit;

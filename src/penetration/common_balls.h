@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "limber/math.h"
-#include "pair/meter.h"
+#include "pair/budget_meter.h"
 #include "point/closest_point.h"
 #include "point/placed_model.h"
 

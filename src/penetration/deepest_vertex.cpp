@@ -35,26 +35,19 @@ DeepestVertexSearch::DeepestVertexSearch(const point::PlacedModel& model, const 
       error_(base::placement_error * (model.magnitude() + solid.magnitude())),
       is_compared_(model.mesh().positions.size()) {
   // Everything in the solid is in its sphere.
-  waiting_.push_back({bvh::root_radius(solid.tree()) * stretch + error_, bvh::root_slot, false, {}});
-}
-
-/// Standard libraries differ in how heaps order ties, so there are none.
-bool DeepestVertexSearch::is_later(const Entry& p, const Entry& q) {
-  return p.bound != q.bound ? p.bound < q.bound : p.slot > q.slot;
+  waiting_.push({bvh::root_radius(solid.tree()) * stretch + error_, bvh::root_slot, false, {}});
 }
 
 double DeepestVertexSearch::upper() const {
   double upper = -infinity;
   if (best_) upper = best_->depth;
-  if (!waiting_.empty()) upper = std::max(upper, waiting_.front().bound + error_);
+  if (!waiting_.empty()) upper = std::max(upper, waiting_.next().bound + error_);
   return upper;
 }
 
 void DeepestVertexSearch::run(pair::Meter& meter) {
-  while (!waiting_.empty() && can_win(waiting_.front().bound) && !meter.is_spent()) {
-    std::pop_heap(waiting_.begin(), waiting_.end(), is_later);
-    const Entry next = waiting_.back();
-    waiting_.pop_back();
+  while (!waiting_.empty() && can_win(waiting_.next().bound) && !meter.is_spent()) {
+    const Entry next = waiting_.take();
     const std::optional<Depth> center = depth_at(next, meter);
     if (!center) continue;
     if (bvh::has_leaf(model_.tree(), next.slot)) {
@@ -105,8 +98,7 @@ void DeepestVertexSearch::add_children(const Entry& entry, const Depth& center) 
     const double away = geometry::safe_length(model_.center_of(slot) - center.at) * base::outward + radius_of(slot);
     const double bound = std::min({entry.bound, center.depth + away, reach_from(center.surface, slot)});
     if (!can_win(bound)) continue;
-    waiting_.push_back({bound, slot, center.depth > away + error_, center.surface});
-    std::push_heap(waiting_.begin(), waiting_.end(), is_later);
+    waiting_.push({bound, slot, center.depth > away + error_, center.surface});
   }
 }
 

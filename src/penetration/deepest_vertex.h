@@ -7,7 +7,8 @@
 
 #include "bvh/tree.h"
 #include "limber/penetration.h"
-#include "pair/meter.h"
+#include "pair/budget_meter.h"
+#include "pair/heap_order.h"
 #include "point/closest_point.h"
 #include "point/placed_model.h"
 
@@ -40,9 +41,10 @@ class DeepestVertexSearch {
     bvh::SlotId slot;
     bool is_inside;  // whether all vertices below it are known to be inside
     Vec3 surface;    // a point of the solid's surface near the slot, in the world; none yet for the root
+
+    bool comes_before(const Entry& e) const { return bound != e.bound ? bound > e.bound : slot < e.slot; }
   };
 
-  static bool is_later(const Entry& p, const Entry& q);
   bool can_win(double bound) const { return bound + error_ >= (best_ ? best_->depth : 0); }
   double radius_of(bvh::SlotId slot) const;
   double reach_from(const Vec3& surface, bvh::SlotId slot) const;
@@ -53,8 +55,8 @@ class DeepestVertexSearch {
 
   const point::PlacedModel &model_, &solid_;
   point::ClosestPointSearch closest_;
-  double error_;                // what rounding of placed points can change a length by
-  std::vector<Entry> waiting_;  // a heap with the largest bound first
+  double error_;  // what rounding of placed points can change a length by
+  pair::HeapOrder<Entry> waiting_;
   std::vector<bool> is_compared_;
   std::optional<DeepestVertex> best_;
 };

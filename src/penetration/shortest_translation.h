@@ -7,7 +7,7 @@
 #include "limber/math.h"
 #include "limber/model.h"
 #include "limber/penetration.h"
-#include "pair/meter.h"
+#include "pair/budget_meter.h"
 #include "penetration/common_balls.h"
 #include "penetration/sweep.h"
 #include "point/placed_model.h"

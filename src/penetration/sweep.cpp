@@ -39,37 +39,27 @@ void Sweep::set_direction(const Vec3& direction) {
   }
 }
 
-/// Standard libraries differ in how heaps order ties, so there are none.
-bool Sweep::is_later(const Entry& p, const Entry& q) {
-  return p.bound != q.bound ? p.bound < q.bound : p.a != q.a ? p.a > q.a : p.b > q.b;
-}
-
 SweepResult Sweep::along(const Vec3& direction, pair::Meter& meter, double enough) {
   LIMBER_ASSERT(std::abs(length_sq(direction) - 1) < 1e-12);
   set_direction(direction);
-  best_ = {};
+  best_ = {}, enough_ = enough * scale_, meter_ = &meter;
   waiting_.clear();
-  const double scaled_enough = enough * scale_;
-  add({bound_of(project(a_, bvh::root_slot), project(b_, bvh::root_slot)), bvh::root_slot, bvh::root_slot});
-  while (!waiting_.empty() && waiting_.front().bound > best_.upper && best_.lower < scaled_enough) {
-    if (meter.is_spent()) {
-      best_.upper = waiting_.front().bound;
-      break;
-    }
-    std::pop_heap(waiting_.begin(), waiting_.end(), is_later);
-    const Entry next = waiting_.back();
-    waiting_.pop_back();
-    if (bvh::has_leaf_or_coincides(a_.model->tree(), next.a) && bvh::has_leaf_or_coincides(b_.model->tree(), next.b)) {
-      compare_leaves(next, meter);
-    } else {
-      expand(next, meter);
-    }
-  }
+  const double bound = bound_of(project(a_, bvh::root_slot), project(b_, bvh::root_slot));
+  if (bound > best_.upper) waiting_.push({bound, bvh::root_slot, bvh::root_slot});
+  pair::NoObserver none;
+  pair::PairWalk<pair::HeapOrder<Pair>, Sweep, Sweep>(waiting_, *this, *this, none).run();
   SweepResult found = best_;
-  found.is_over = best_.lower >= scaled_enough;
+  found.is_over = best_.lower >= enough_;
   found.lower /= scale_, found.upper /= scale_;
   LIMBER_ASSERT(found.lower >= 0 && (found.is_over || found.lower <= found.upper));
   return found;
+}
+
+bool Sweep::has_to_end() {
+  if (!(waiting_.next().bound > best_.upper) || best_.lower >= enough_) return true;
+  if (!meter_->is_spent()) return false;
+  best_.upper = waiting_.next().bound;
+  return true;
 }
 
 Sweep::Projection Sweep::project(const Side& side, bvh::SlotId slot) const {
@@ -101,34 +91,35 @@ double Sweep::bound_of(const Projection& a, const Projection& b) const {
   return apart.z + std::min(a.up + b.down, std::sqrt(left) * base::outward) + error_;
 }
 
-void Sweep::add(const Entry& entry) {
-  if (!(entry.bound > best_.upper)) return;
-  waiting_.push_back(entry);
-  std::push_heap(waiting_.begin(), waiting_.end(), is_later);
+template <bool raises>
+pair::Next Sweep::open(Expansion& e, double&) const {
+  const Projection of_a = project(a_, e.pair.a), of_b = project(b_, e.pair.b);
+  e.opens_a = is_leaf(b_, e.pair.b) || (!is_leaf(a_, e.pair.a) && of_a.radius >= of_b.radius);
+  e.node = e.opens_a ? bvh::child_of(a_.model->tree(), e.pair.a) : bvh::child_of(b_.model->tree(), e.pair.b);
+  e.other = e.opens_a ? of_b : of_a;
+  return pair::Next::opened;
 }
 
-/// Replaces the larger volume by its children.
-void Sweep::expand(const Entry& entry, pair::Meter& meter) {
-  const bvh::Tree &tree_a = a_.model->tree(), &tree_b = b_.model->tree();
-  const Projection of_a = project(a_, entry.a), of_b = project(b_, entry.b);
-  const bool opens_a = bvh::has_leaf_or_coincides(tree_b, entry.b) ||
-                       (!bvh::has_leaf_or_coincides(tree_a, entry.a) && of_a.radius >= of_b.radius);
-  const bvh::Tree& tree = opens_a ? tree_a : tree_b;
-  const std::uint32_t node = bvh::child_of(tree, opens_a ? entry.a : entry.b);
-  meter.stats.node_tests += tree.nodes[node].child_count;
-  for (std::uint32_t k = 0; k < tree.nodes[node].child_count; ++k) {
-    const bvh::SlotId child = node * bvh::width + k;
-    if (opens_a) {
-      add({std::min(entry.bound, bound_of(project(a_, child), of_b)), child, entry.b});
-    } else {
-      add({std::min(entry.bound, bound_of(of_a, project(b_, child))), entry.a, child});
-    }
+void Sweep::bound_children(Expansion& e, float*) const {
+  const std::uint32_t count = (e.opens_a ? a_ : b_).model->tree().nodes[e.node].child_count;
+  meter_->stats.node_tests += count;
+  e.kept.all = 0;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const bvh::SlotId child = e.node * bvh::width + k;
+    const double bound = e.opens_a ? bound_of(project(a_, child), e.other) : bound_of(e.other, project(b_, child));
+    e.bounds[k] = std::min(e.pair.bound, bound);
+    e.kept.all |= (e.bounds[k] > best_.upper ? 1U : 0U) << k;
   }
 }
 
-void Sweep::compare_leaves(const Entry& entry, pair::Meter& meter) {
-  const bvh::Leaf& leaf_a = bvh::first_leaf(a_.model->tree(), entry.a).leaf;
-  const bvh::Leaf& leaf_b = bvh::first_leaf(b_.model->tree(), entry.b).leaf;
+Sweep::Pair Sweep::child_pair(const Expansion& e, std::uint32_t child) const {
+  const bvh::SlotId slot = e.node * bvh::width + child;
+  return {e.bounds[child], e.opens_a ? slot : e.pair.a, e.opens_a ? e.pair.b : slot};
+}
+
+bool Sweep::compare(const Pair& pair, bool, double&) {
+  const bvh::Leaf& leaf_a = bvh::first_leaf(a_.model->tree(), pair.a).leaf;
+  const bvh::Leaf& leaf_b = bvh::first_leaf(b_.model->tree(), pair.b).leaf;
   const auto triangles_of = [&](const Side& side, const bvh::Leaf& leaf) {
     std::array<Triangle, bvh::width> triangles;
     for (std::size_t k = 0; k < bvh::width; ++k) {
@@ -145,10 +136,11 @@ void Sweep::compare_leaves(const Entry& entry, pair::Meter& meter) {
       if (of_a.high.z - of_b.low.z + error_ <= best_.upper) continue;
       if (of_a.low.x - of_b.high.x > error_ || of_b.low.x - of_a.high.x > error_) continue;
       if (of_a.low.y - of_b.high.y > error_ || of_b.low.y - of_a.high.y > error_) continue;
-      ++meter.stats.primitive_tests;
+      ++meter_->stats.primitive_tests;
       compare(leaf_a, i, triangles_a[i], leaf_b, k, triangles_b[k]);
     }
   }
+  return true;
 }
 
 void Sweep::compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, const bvh::Leaf& leaf_b, std::size_t k,

@@ -2,14 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
-#include <vector>
 
 #include "bvh/tree.h"
 #include "limber/distance.h"
 #include "limber/math.h"
-#include "pair/meter.h"
+#include "pair/budget_meter.h"
+#include "pair/heap_order.h"
+#include "pair/pair_walk.h"
 #include "penetration/last_contact.h"
 #include "point/placed_model.h"
 
@@ -23,20 +25,10 @@ struct SweepResult {
   bool is_over = false;  ///< whether the search ended because `lower` reached `enough`; `upper` means nothing then
 };
 
-/// Moves b along directions until it leaves a for good.
+/// Moves b along directions until it leaves a for good: a PairWalk, best first, whose bounds and visitor it is.
 ///
-/// Based on  Branch and bound, best first, over pairs of nodes: how far b moves while their volumes may meet.
+/// Based on  Branch and bound over pairs of nodes: how far b moves while their volumes may meet.
 class Sweep {
- public:
-  Sweep(const point::PlacedModel& a, const point::PlacedModel& b);
-
-  /// Pre: the direction has length 1. Ends early once b has to move by `enough` at least.
-  SweepResult along(const Vec3& direction, pair::Meter& meter, double enough = std::numeric_limits<double>::infinity());
-
-  /// An upper bound of how much the rounding of placed vertices changes a length.
-  double tolerance() const { return error_ / scale_; }
-
- private:
   /// A volume as the sweep sees it, in scaled coordinates whose z is along the direction.
   struct Projection {
     Vec3 center;
@@ -48,19 +40,53 @@ class Sweep {
     const point::PlacedModel* model;
     Vec3 x, y, z;
   };
-  struct Entry {
+
+ public:
+  Sweep(const point::PlacedModel& a, const point::PlacedModel& b);
+
+  /// Pre: the direction has length 1. Ends early once b has to move by `enough` at least.
+  SweepResult along(const Vec3& direction, pair::Meter& meter, double enough = std::numeric_limits<double>::infinity());
+
+  /// An upper bound of how much the rounding of placed vertices changes a length.
+  double tolerance() const { return error_ / scale_; }
+
+  // What PairWalk asks.
+  struct Pair {
     double bound;  // how far b moves at most while the volumes may meet
     bvh::SlotId a, b;
-  };
 
-  static bool is_later(const Entry& p, const Entry& q);
+    bool comes_before(const Pair& p) const { return bound != p.bound ? bound > p.bound : a != p.a ? a < p.a : b < p.b; }
+  };
+  /// The larger volume is replaced by its children.
+  struct Expansion {
+    Pair pair;
+    bool opens_a;
+    std::uint32_t node;
+    Projection other;  // of the volume that stays
+    double bounds[bvh::width];
+    struct {
+      unsigned all;
+    } kept;
+  };
+  bool has_to_end();
+  static constexpr void count_step() {}
+  static constexpr bool lowers_cutoff(const Pair&, bool) { return false; }
+  static constexpr bool prunes(const Pair&, double&) { return false; }
+  bool are_leaves(const Pair& pair) const { return is_leaf(a_, pair.a) && is_leaf(b_, pair.b); }
+  template <bool raises>
+  pair::Next open(Expansion& e, double&) const;
+  void bound_children(Expansion& e, float*) const;
+  Pair child_pair(const Expansion& e, std::uint32_t child) const;
+  bool compare(const Pair& pair, bool, double&);
+
+ private:
+  static bool is_leaf(const Side& side, bvh::SlotId slot) {
+    return bvh::has_leaf_or_coincides(side.model->tree(), slot);
+  }
   void set_direction(const Vec3& direction);
   Vec3 scaled(const Vec3& world) const { return scale_ * Vec3{dot(x_, world), dot(y_, world), dot(z_, world)}; }
   Projection project(const Side& side, bvh::SlotId slot) const;
   double bound_of(const Projection& a, const Projection& b) const;
-  void add(const Entry& entry);
-  void expand(const Entry& entry, pair::Meter& meter);
-  void compare_leaves(const Entry& entry, pair::Meter& meter);
   void compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, const bvh::Leaf& leaf_b, std::size_t k,
                const Triangle& b);
 
@@ -68,8 +94,10 @@ class Sweep {
   double scale_;  // a power of two that makes all coordinates less than 1
   double error_;  // of scaled lengths
   Vec3 x_, y_, z_;
-  std::vector<Entry> waiting_;  // a heap with the largest bound first
-  SweepResult best_;            // lengths are scaled
+  pair::HeapOrder<Pair> waiting_;
+  SweepResult best_;   // lengths are scaled
+  double enough_ = 0;  // scaled
+  pair::Meter* meter_ = nullptr;
 };
 
 }  // namespace limber::penetration

@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "limber/distance.h"
-#include "pair/meter.h"
+#include "pair/budget_meter.h"
 #include "pair/placed_pair.h"
 #include "point/placed_model.h"
 #include "point/ray_crossings.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "pair/meter.h"
+#include "pair/budget_meter.h"
 
 namespace limber::solid {
 

@@ -11,7 +11,7 @@
 #include "limber/motion.h"
 #include "motion/exact_impact.h"
 #include "motion/impact_filter.h"
-#include "motion/moving_vectors.h"
+#include "motion/moving_elements.h"
 #include "simd/kernels.h"
 #include "support/random_motion.h"
 

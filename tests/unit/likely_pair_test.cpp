@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Where one model is flat, the closest triangles are guessed.
-#include "pair/seeds/likely_pair.h"
+#include "pair/likely_pair.h"
 #include "limber/distance.h"
 
 #include <gtest/gtest.h>

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "pair/meter.h"
+#include "pair/budget_meter.h"
 #include "penetration/last_contact.h"
 #include "scenes/scenes.h"
 #include "support/random_solids.h"

@@ -9,28 +9,29 @@
 
 namespace limber::pair {
 
-// A collector says what a query looks for. A traversal offers it pairs of triangles, and prunes by what it learns.
+// A collector says what a query looks for. A walk offers it pairs of triangles, and prunes by what it learns.
 //
-// Needs    static constexpr Hits hits;
-//          static constexpr bool is_self;
-//          double initial_cutoff() const;
-//          bool is_done() const;
-//          compare(const PlacedTriangle& a, const PlacedTriangle& b);
-//
-// One of all hits may have finish(), which is called after the last pair: compare() may then wait for more pairs, to
-// look at them together.
-//
-// One of the closest pair needs also, for a contact that was found without a distance, and for searches of one tree:
-//          std::optional<BoundUpdate> take(double distance, const Witness& points);
-//          double close_enough() const;
-//
-// hits: AllPairs offers a collector of all hits each pair within the cutoff once. BestFirst is for the others; a front
-// is for `any` and `closest` alone. is_self: whether the two models are one; then `all` or `k_closest`, and pairs of
-// different triangles are offered, but for neighbors that certainly meet only in what they share; the pair of a
-// QueryCache is offered once more. initial_cutoff(): above 0. is_done(): whether no other pair can matter.
-// close_enough(): a pair at most that far apart is all that is looked for. compare(): returns
-// std::optional<BoundUpdate>, nullopt if the pair changes nothing that the traversal could use; nothing for a collector
-// of all hits.
+//   it has                             who asks          what it means
+//   ---------------------------------  ----------------  ------------------------------------------------------------
+//   static constexpr Hits hits         walk, search.h    which pairs: `all` makes AllPairs walk, the others BestFirst
+//   static constexpr bool is_self      walk, search.h    the two models are one; then `all` or `k_closest`. Pairs of
+//                                                        different triangles are offered, but for neighbors that
+//                                                        certainly meet only in what they share
+//   double initial_cutoff()            search.h          above 0: pairs at least that far apart never matter
+//   bool is_done()                     walk              whether no other pair can matter
+//   compare(const PlacedTriangle& a,   leaf comparison   looks at a pair. `all`: each pair within the cutoff once, and
+//           const PlacedTriangle& b)                     returns nothing. Others return std::optional<BoundUpdate>,
+//                                                        nullopt if the pair changes nothing that the walk could use;
+//                                                        a pair may come again: that of a QueryCache, or of a budget
+//   of `all`, if it has them:
+//   finish()                           AllPairs          after the last pair: compare() may wait for more pairs, to
+//                                                        look at them together
+//   compares_leaves,                   leaf comparison   it is offered leaves instead of triangles: ComparesLeaves
+//   compare_leaves(pair, stats)
+//   of `closest`:
+//   take(double distance,              leaf comparison   as compare(), for a contact that was found without a distance
+//        const Witness& points)
+//   double close_enough()              search_by_point   a pair at most that far apart is all that is looked for
 //
 // See      docs/design/adding_a_query.md.
 

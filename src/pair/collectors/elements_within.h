@@ -26,7 +26,7 @@ namespace limber::pair {
 /// representative share a vertex, and such pairs do not count.
 ///
 /// Vertices and faces are compared one pair at a time, in compare_leaves(). Pairs of edges are collected until there
-/// are enough for a kernel: call compare_collected() after the traversal for those that are left.
+/// are enough for a kernel; finish() compares those that are left.
 template <bool self>
 class ElementsWithin {
  public:
@@ -70,7 +70,7 @@ class ElementsWithin {
   }
 
   /// Compares the pairs of edges that have been collected.
-  void compare_collected() {
+  void finish() {
     simd::ClosestOfSegments found;
     kernels_.compare_segments(segments_, found);  // all places, also those that are not in use: they hold old pairs
     const std::uint32_t count = std::exchange(collected_, 0);
@@ -147,7 +147,7 @@ class ElementsWithin {
     segments_.end_a[i] = position(Side::a, swaps ? b[1] : a[1]);
     segments_.start_b[i] = position(Side::b, swaps ? a[0] : b[0]);
     segments_.end_b[i] = position(Side::b, swaps ? a[1] : b[1]);
-    if (collected_ == simd::SegmentPairs::room) compare_collected();
+    if (collected_ == simd::SegmentPairs::room) finish();
   }
 
   const PlacedPair& placed_;

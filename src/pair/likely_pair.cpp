@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pair/seeds/likely_pair.h"
+#include "pair/likely_pair.h"
 
 #include <algorithm>
 #include <bit>

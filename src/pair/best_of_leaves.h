@@ -3,17 +3,18 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "base/check.h"
-#include "base/error_bounds.h"
 #include "geometry/primitives.h"
 #include "pair/collectors/collector.h"
+#include "pair/node_bounds.h"
 #include "pair/placed_leaf.h"
 #include "pair/search_context.h"
 #include "pair/squared_limits.h"
 #include "pair/traversal_state.h"
-#include "pair/tree_pair.h"
 
 namespace limber::pair {
 
@@ -27,22 +28,63 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
   return nearest;
 }
 
-/// Compares the triangles of two leaves, for BestFirst. In order: the two leaves may be pruned as a whole; where a
-/// descent has ended, one contact or one near pair is looked for, to lower the upper bound; then a kernel lists the
-/// candidates, pairs of triangles that it cannot prune, and these are compared, the one of least bound first.
+/// The visitor of PairWalk that looks for the best pairs, or for any. Two leaves are compared in this order: they may
+/// be pruned as a whole; where a descent has ended, one contact or one near pair is looked for, to lower the upper
+/// bound; then a kernel lists the candidates, pairs of triangles that it cannot prune, and these are compared, the one
+/// of least bound first.
+///
+/// Three heuristics, parts of TraversalState, lower the upper bound early or save work:
+///   Descents     Best first comes late to leaves. So the walk begins by going straight down to two leaves, and does so
+///                again when it has met none for some steps.
+///   FlatSeed     Where one model has a flat part, a pair of triangles that is likely to be the closest is guessed and
+///                compared first: the seed.
+///   WholeLeaves  The search direction may prune two leaves as a whole; tested as long as that often succeeds.
 template <typename Collector>
-class LeafComparison {
+class BestOfLeaves {
  public:
-  using Trees = TreePair<Collector::hits == Hits::k_closest>;
-
-  LeafComparison(const Search& search, const Trees& trees, Collector& collector, TraversalState& state)
+  /// The steps that the state has now do not count for the budget.
+  BestOfLeaves(const Search& search, const NodeBounds<Collector>& bounds, Collector& collector, TraversalState& state)
       : search_(search),
-        trees_(trees),
+        bounds_(bounds),
         collector_(collector),
         state_(state),
         kernels_(simd::kernels()),
+        first_step_(state.steps),
         a_(search.placed, Side::a),
         b_(search.placed, Side::b) {}
+
+  bool is_done() const { return collector_.is_done(); }
+  bool has_to_end() { return is_done() || search_.meter.is_spent(state_.steps - first_step_); }
+  void count_step() { ++state_.steps; }
+
+  /// Decides whether to look for a seed now. With a finite `max_distance` the models may be farther apart than that,
+  /// and a seed would be in vain. So it is looked for if the pair of a cache is within that distance; else compare()
+  /// may ask for one later, once it has found such a pair.
+  void prepare_seed() {
+    if constexpr (looks_for_closest) {
+      const double distance = search_.pruning.distance();
+      if (std::isinf(distance) || distance < collector_.initial_cutoff()) state_.seed.make_due();
+    }
+  }
+  /// What is done before a pair is visited: compares a seed that is due, and begins a descent that is due. Returns
+  /// whether the cutoff may be lower now. Not for a pair that is pruned: as it is among the nearest, the query is
+  /// nearly over, and a seed would come too late.
+  bool lowers_cutoff(const NodePair& pair, bool follows_front) {
+    if constexpr (looks_for_closest) {
+      const bool has_compared = compares_seed(pair);
+      // While a pair that overlaps is queued, it is followed down to its leaves anyway.
+      if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) descend_or_postpone(follows_front);
+      return has_compared;
+    }
+    return false;
+  }
+  /// Compares a seed, if it is due and the pair that is next is not pruned.
+  bool compares_seed(const NodePair& next) {
+    if constexpr (looks_for_closest) {
+      return state_.seed.is_due() && next.bound_sq < bounds_.limits().of_pairs() && compare_seed();
+    }
+    return false;
+  }
 
   /// Whether the query goes on: false if the collector is done, or the budget is spent. If it goes on, all pairs of
   /// triangles of the two leaves, but for the best pair so far, are at least max(apart, cutoff) from each other.
@@ -50,10 +92,11 @@ class LeafComparison {
   /// apart   In: 0. Out, for a front to record: the lower bound by which the leaves were pruned as a whole; if only the
   ///         kernel has compared them and kept no candidate, its bound, with `needs_bound`; else 0.
   ///
-  /// `steps` is the number of steps since this call of the query began, this one included; the budget may limit it.
-  bool compare(const NodePair& pair, std::uint64_t steps, bool needs_bound, double& apart) {
-    const simd::SlotRef leaf_a = trees_.as_leaf(Side::a, pair), leaf_b = trees_.as_leaf(Side::b, pair);
-    const simd::SelfPair self{trees_.leaf(Side::a, pair), trees_.leaf(Side::b, pair)};
+  /// The first comparison since the query began is finished, whatever the budget.
+  bool compare(const NodePair& pair, bool needs_bound, double& apart) {
+    const std::uint64_t steps = state_.steps - first_step_;
+    const simd::SlotRef leaf_a = bounds_.as_leaf(Side::a, pair), leaf_b = bounds_.as_leaf(Side::b, pair);
+    const simd::SelfPair self{bounds_.leaf(Side::a, pair), bounds_.leaf(Side::b, pair)};
     a_.take(self.a), b_.take(self.b);
     const bool are_first_leaves = !state_.descents.has_reached_leaves();  // end_at_leaves() changes that
     const bool has_descended = state_.descents.end_at_leaves(state_.steps);
@@ -80,7 +123,7 @@ class LeafComparison {
       const bool has_found_any =
           search_.pruning.has_direction() && search_.pruning.distance() < collector_.initial_cutoff();
       if (has_found_any && state_.seed.may_look_near()) {
-        state_.seed.look_near(trees_.leaf_slot(Side::a, pair), trees_.leaf_slot(Side::b, pair));
+        state_.seed.look_near(bounds_.leaf_slot(Side::a, pair), bounds_.leaf_slot(Side::b, pair));
       }
     }
     return !collector_.is_done();
@@ -88,6 +131,32 @@ class LeafComparison {
 
  private:
   static constexpr bool looks_for_closest = Collector::hits == Hits::closest;
+
+  /// Begins a descent where it may find a closer pair. Where a close pair is known already, from a front or a seed,
+  /// postpones it by some steps. Not inlined: it is rare.
+  [[gnu::noinline]] void descend_or_postpone(bool follows_front) {
+    if (follows_front || state_.seed.was_close()) {
+      state_.descents.postpone(state_.steps);
+    } else {
+      state_.descents.start(state_.steps);
+    }
+  }
+
+  /// Compares two triangles that are likely to be the closest, where one model has a flat part. False if none are.
+  [[gnu::noinline]] bool compare_seed() {
+    const std::optional<TrianglePair> likely = state_.seed.find(search_.placed, search_.stats);
+    if (!likely) return false;
+    state_.descents.stop();
+    ++search_.stats.primitive_tests;
+    const PlacedTriangle a = placed_triangle(search_.placed, Side::a, likely->a);
+    const PlacedTriangle b = placed_triangle(search_.placed, Side::b, likely->b);
+    if (const auto update = collector_.compare(a, b)) {
+      search_.pruning.update(*update);
+      state_.seed.note_close();
+      state_.whole_leaves.allow_many();
+    }
+    return true;
+  }
 
   // From that many candidates on, better bounds cost less than the comparisons that they save.
   static constexpr std::uint32_t worth_refining = 3;
@@ -177,10 +246,11 @@ class LeafComparison {
   }
 
   Search search_;
-  const Trees& trees_;
+  const NodeBounds<Collector>& bounds_;
   Collector& collector_;
   TraversalState& state_;
   const simd::Kernels& kernels_;
+  const std::uint64_t first_step_;
   PlacedLeaf a_, b_;  // of the leaves that were compared last
 };
 

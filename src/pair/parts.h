@@ -2,16 +2,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "base/arguments.h"
 #include "base/parallel.h"
 #include "base/span_filler.h"
 #include "limber/contacts.h"
-#include "pair/collectors/pairs.h"
-#include "pair/placed_pair.h"
+#include "limber/distance.h"
 
 namespace limber::pair {
+
+/// Into how many parts a walk is split: many more than threads, as parts differ in size.
+inline constexpr std::size_t part_count = 256;
+
+/// Searches parts of a walk on the threads of the calling arena, search(part, found, stats). Returns what each has
+/// found, and adds up what they count.
+template <typename Found, typename Part, typename SearchOne>
+std::vector<Found> search_parts(const std::vector<Part>& parts, QueryStats& stats, const SearchOne& search) {
+  std::vector<Found> found(parts.size());
+  std::vector<QueryStats> stats_of(parts.size());
+  base::parallel_for(parts.size(), 1, [&](std::size_t i) { search(parts[i], found[i], stats_of[i]); });
+  for (const QueryStats& s : stats_of) stats += s;
+  return found;
+}
 
 /// Whether a query with these options is searched in parts. One with limits stays on one thread.
 template <typename Options>
@@ -31,18 +45,6 @@ void visit_found(const std::vector<base::ListFiller<Pair>>& parts, FunctionRef<b
     }
   }
 }
-
-// visit_intersections() and visit_contacts() on the threads of the calling arena. The visitor is called afterwards, by
-// the calling thread, with the pairs that one thread would find, in its order. In a source of their own, so that the
-// compiler inlines the loop of one thread as if there were no other.
-PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs, TrianglePairVisitor visit,
-                                       const QueryBudget& budget);
-PairCount visit_intersections_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, TrianglePairVisitor visit,
-                                       const QueryBudget& budget);
-PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfTwo& pairs, double margin,
-                                  ContactVisitor visit, const QueryBudget& budget);
-PairCount visit_contacts_in_parts(const PlacedPair& placed, const PairsOfOne& pairs, double margin,
-                                  ContactVisitor visit, const QueryBudget& budget);
 
 /// Whether any triangles of two models, or of one with itself, intersect, on the threads of the calling arena. Pre: no
 /// body has a radius or is solid. `stats` mean something if none do: otherwise threads have ended sooner or later.
