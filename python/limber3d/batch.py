@@ -258,8 +258,10 @@ def _pool(executor: Any) -> Generator[tuple[Executor, Callable[[], int], Callabl
         build = functools.partial(executor.submit, _build, pure=False)
         try:
             yield executor.get_executor(pure=False), lambda: sum(executor.nthreads().values()), build
-        except (CancelledError, comm.CommClosedError) as error:
-            raise ConnectionError("the scheduler is lost; the same call goes on once there is one") from error
+        except Exception as error:  # of any kind where the client is closing, since Dask raises what it stumbles on first
+            if isinstance(error, (CancelledError, comm.CommClosedError)) or executor.status != "running":
+                raise ConnectionError("the scheduler is lost; the same call goes on once there is one") from error
+            raise
 
 
 def _answers(

@@ -135,6 +135,8 @@ def test_a_lost_scheduler_is_told_and_the_next_call_goes_on(
         cluster.close()
         with pytest.raises(ConnectionError, match="the same call goes on"):
             asked.result()
+        with pytest.raises(ConnectionError, match="the same call goes on"):
+            sweep(gated, client)
     monkeypatch.undo()
     found = done(gated)
     assert 3 <= found < PARTS and sweep(gated).found == found and same_bits(batch.read(gated), expected)
