@@ -109,7 +109,7 @@ verb_sanitize_python() {
 #:                  list those that no test notices, which a person has to judge; long
 verb_mutants() {
   need_for_tests mutants
-  python3 "$root/tools/mutants.py" --jobs "$jobs" "$@"
+  python3 "$root/tools/mutants.py" "$@"
 }
 
 #: coverage         the lines of src and include that the tests run; fails below 95 %
