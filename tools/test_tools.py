@@ -10,9 +10,9 @@ import unittest
 from collections.abc import Callable
 from pathlib import Path
 
+import build_docs
 import check_layers
 import check_text
-import doxygen_filter
 import mutants
 from repository import cpp_code, texts
 
@@ -203,7 +203,7 @@ class Model {
 """
 
     def test_what_doxygen_reads(self) -> None:
-        text = doxygen_filter.for_doxygen(self.HEADER)
+        text = build_docs.for_doxygen(self.HEADER)
         for kept in ("/// @file\n/// About the header.", "  /// @par Cost\n  /// O(1).\n", "class Model {", "void commit();",
                      '<a href="../../docs/algorithms/bounds.html">docs/algorithms/bounds.md</a>'):
             self.assertIn(kept, text)
