@@ -25,7 +25,6 @@ pytestmark = pytest.mark.skipif(not (ROOT / "README.md").is_file(), reason="the 
     ("page", "output"),
     [
         ("README.md", "2.0 Witness(point_a=(1.0, 0.0, 0.0)"),
-        ("docs/guide/uses.md", "8.0"),
         ("docs/guide/python.md", "0.0 0.0 Witness("),
         ("docs/guide/from_other_libraries_python.md", "False 1.0\n"),
         ("docs/guide/python_cluster.md", "4000 poses in 4 partitions, of which 0 were done\n1000 poses meet\n"),
