@@ -189,17 +189,5 @@ TEST(Motions, AreTheSameToTheBitOnEveryMachine) {
   }
 }
 
-TEST(Motions, MorphsEndWhereTheyShould) {
-  const Mesh from = wave_sheet(6, 6, 0), to = wave_sheet(6, 6, 3);
-  const Motion wave = morph("wave", from, to, 4);
-  EXPECT_EQ(wave.positions(0), from.positions());
-  const std::vector<Vec3> end = wave.positions(4), half = wave.positions(2);
-  for (std::size_t v = 0; v < end.size(); ++v) {
-    EXPECT_NEAR(length(end[v] - to.positions()[v]), 0, 1e-15);
-    EXPECT_NEAR(length(half[v] - 0.5 * (from.positions()[v] + to.positions()[v])), 0, 1e-15);
-  }
-  EXPECT_EQ(wave.positions(7), wave.positions(1));
-}
-
 }  // namespace
 }  // namespace limber::scenes

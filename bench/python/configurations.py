@@ -1,11 +1,10 @@
-#!/usr/bin/env python3
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Question        What does the closest pair of links cost in Python, for each of many configurations of a robot?
 Workload        The two arms of ten links of python/examples/two_arms.py, 156 pairs that count, random joint angles,
                 or paths of 100 steps between such.
 Metric          Time, and time of processors, of one call; of a loop over closest_objects(), with a matrix and with a
-                function as filter; and of python-fcl's distance() of few pairs. Least of the rounds.
+                function as filter; and of python-fcl's distance() of few pairs. Medians.
 Expected shape  One call takes a fraction of the time of a loop where there are several processors.
 Checked         The call has the bits of the loop; FCL's distances are the same to 1e-6.
 
@@ -13,15 +12,13 @@ Writes configurations.md."""
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import fcl
 import limber3d
+import measure
 import numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python" / "examples"))
@@ -81,18 +78,6 @@ def loop(scene: limber3d.Scene, poses: numpy.ndarray, filter: object) -> list[li
     return found
 
 
-def least_times(rounds: int, calls: dict[str, Callable[[], object]]) -> dict[str, numpy.ndarray]:
-    """Milliseconds of each call, and of processors, the least of some rounds in which all are made in turn."""
-    least = {name: numpy.full(2, numpy.inf) for name in calls}
-    for _ in range(rounds):
-        for name, call in calls.items():
-            begin = numpy.array([time.perf_counter(), time.process_time()])
-            call()
-            taken = numpy.array([time.perf_counter(), time.process_time()]) - begin
-            least[name] = numpy.minimum(least[name], 1e3 * taken)
-    return least
-
-
 def rows(kind: str, count: int, fcl_count: int, rounds: int) -> list[str]:
     """A table of one kind of configurations, whose answers have been checked."""
     scene, counts = two_arms.two_arms()
@@ -109,14 +94,14 @@ def rows(kind: str, count: int, fcl_count: int, rounds: int) -> list[str]:
     of_fcl = numpy.array([peer.closest(of_links) for of_links in poses[:fcl_count]])
     if numpy.abs(of_fcl - closest["upper"][:fcl_count]).max() > 1e-6:
         sys.exit("FCL answers differently")
-    times = least_times(rounds, {
+    times = measure.in_turn({
         "one call": many,
         "one call, one thread": lambda: many(1),
         "any_within_many, 0": lambda: limber3d.any_within_many(scene, ids, poses, 0.0, filter=counts),
         "loop, matrix": lambda: loop(scene, poses, counts),
         "loop, function": lambda: loop(scene, poses, lambda a, b: counts(a, b)),
         "python-fcl": lambda: [peer.closest(of_links) for of_links in poses[:fcl_count]],
-    })
+    }, rounds)
     times["python-fcl"] *= count / fcl_count
     one = times["one call"]
     return [f"| {kind} | {name} | {t[0]:.0f} | {t[0] / one[0]:.1f} | {t[1]:.0f} | {t[1] / one[1]:.1f} |"
@@ -124,10 +109,7 @@ def rows(kind: str, count: int, fcl_count: int, rounds: int) -> list[str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, help="the folder for configurations.md")
-    parser.add_argument("--quick", action="store_true", help="a few configurations, to see that everything works")
-    options = parser.parse_args()
+    options = measure.options_of(__doc__, needs_meshes=False)
     count, fcl_count, rounds = (200, 20, 1) if options.quick else (10_000, 500, 3)
     lines = [
         f"# {count} configurations of two arms, {len(os.sched_getaffinity(0))} processors",
@@ -139,10 +121,7 @@ def main() -> None:
     ]
     for kind in ("random", "path"):
         lines += rows(kind, count, fcl_count, rounds)
-    text = "\n".join(lines) + "\n"
-    print(text, end="")
-    if options.out:
-        (options.out / "configurations.md").write_text(text, encoding="utf-8")
+    measure.write(options, "configurations.md", lines)
 
 
 if __name__ == "__main__":

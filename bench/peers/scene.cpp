@@ -1,29 +1,25 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Question        How fast are candidate pairs of many moving bodies found, next to other libraries? What do queries of
-//                 all these pairs take?
+// Question        How fast are candidate pairs of many moving bodies found, next to other libraries?
 // Workload        Balls of 1 088 triangles that fly about in a box and bounce off its walls, a tenth of their radius a
 //                 frame, turned at random. The box is so large that each has about as many pairs as the table says.
 // Metric          Time of a frame: all poses set, boxes and tree brought up to date, all candidate pairs collected.
 //                 All libraries have the same boxes; what they spend on computing their own is counted. One thread.
-//                 Then limber's queries of all pairs.
 // Expected shape  A third of the time of FCL and Coal, or less.
 // Checked         limber's pairs are among the others' pairs, which only know boxes; of those that are missing the
-//                 balls are apart. All answers of the queries are those for two models.
+//                 balls are apart.
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "bench/peers/peer.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
-#include "limber/distance.h"
 #include "scenes/scenes.h"
 
 namespace limber::bench {
@@ -161,60 +157,6 @@ class Frames {
   std::size_t pair_count_ = 0, box_pair_count_ = 0;
 };
 
-/// Queries of all pairs, frame by frame.
-void time_queries(const Mesh& shape, int frames, Checker& checker, Table& text) {
-  constexpr double margin = 0.1;
-  Swarm swarm(2000, 2);
-  const Model model(shape);
-  Scene scene;
-  std::vector<ObjectId> ids;
-  for (const Transform& pose : swarm.poses) ids.push_back(scene.add({model, pose}));
-  std::vector<double> collide_us, cold_us, warm_us, closest_us, warm_closest_us;
-  std::vector<ObjectPair> pairs(64 * ids.size());
-  std::vector<CollideResult> collisions(pairs.size());
-  std::vector<DistanceResult> cold(pairs.size()), warm(pairs.size());
-  SceneCache cache(pairs.size()), closest_cache;
-  double pair_count = 0;
-  for (int frame = 0; frame < frames; ++frame) {
-    swarm.move();
-    scene.set_poses(ids, swarm.poses);
-    scene.commit();
-    const std::size_t count = scene.candidate_pairs(margin, pairs).count;
-    const std::span<const ObjectPair> found(pairs.data(), count);
-    pair_count += static_cast<double>(count) / frames;
-    const auto ask = [&](std::vector<DistanceResult>& results, SceneCache* kept) {
-      scene.distance(found, std::span(results).first(count), {.distance = {.max_distance = margin}, .cache = kept});
-    };
-    collide_us.push_back(mean_us(1, [&] { scene.collide(found, std::span(collisions).first(count)); }));
-    cold_us.push_back(mean_us(1, [&] { ask(cold, nullptr); }));
-    warm_us.push_back(mean_us(1, [&] { ask(warm, &cache); }));
-    ClosestObjectsResult closest, again;
-    // Bodies that meet are no news here: the closest two that do not.
-    std::set<std::pair<ObjectId, ObjectId>> meeting;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (collisions[i].is_yes()) meeting.emplace(pairs[i].a, pairs[i].b);
-    }
-    const auto are_apart = [&](ObjectId a, ObjectId b) { return !meeting.contains({a, b}); };
-    closest_us.push_back(mean_us(1, [&] { closest = scene.closest_objects({.filter = are_apart}); }));
-    warm_closest_us.push_back(
-        mean_us(1, [&] { again = scene.closest_objects({.filter = are_apart, .cache = &closest_cache}); }));
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < count; ++i) {
-      const DistanceResult alone =
-          distance(scene.object(pairs[i].a), scene.object(pairs[i].b), {.max_distance = margin});
-      checker.check(cold[i].upper == alone.upper, "{} instead of {}", cold[i].upper, alone.upper);
-      checker.check(warm[i].status == alone.status && !(std::abs(warm[i].upper - alone.upper) > 1e-13),
-                    "{} instead of {} with a cache", warm[i].upper, alone.upper);
-      checker.check(collisions[i].is_yes() == (alone.upper == 0), "collision and distance differ");
-      if (alone.upper > 0) least = std::min(least, alone.upper);
-    }
-    checker.check(std::abs(closest.result.upper - least) <= 1e-13 && std::abs(again.result.upper - least) <= 1e-13,
-                  "closest {} and {} instead of {}", closest.result.upper, again.result.upper, least);
-  }
-  text.line("| {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} |", pair_count, median(collide_us), median(cold_us),
-            median(warm_us), median(closest_us), median(warm_closest_us));
-}
-
 void run(const Options& options, Checker& checker) {
   const int frames = options.quick ? 10 : 300;
   Table text(options, "scene.md");
@@ -238,12 +180,6 @@ void run(const Options& options, Checker& checker) {
     bodies.play(count > 2000 ? frames / 10 : frames, checker);
     bodies.report(text);
   }
-  text.line("\n## Queries of all pairs\n");
-  text.line("2000 bodies, two pairs of boxes a body; a margin of 0.1. Medians in microseconds for all pairs together,");
-  text.line("exact distances up to the margin, and of the closest two bodies that do not meet.\n");
-  text.line("| pairs | collide | distance | distance, SceneCache | closest objects | with SceneCache |");
-  text.line("|--:|--:|--:|--:|--:|--:|");
-  time_queries(shape, frames / 3, checker, text);
 }
 
 }  // namespace
