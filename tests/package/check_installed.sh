@@ -78,7 +78,6 @@ check_completion() {
   expect 'all verbs' "$( (verbs; echo --help; echo --version; echo -h; echo -v) | sort | xargs)" "$(completions '')"
   expect 'verbs on dist' distance "$(completions dist)"
   expect 'options on --pose' '--pose-a --pose-b' "$(completions distance a.obj b.obj --pose)"
-  expect 'words of --engine' 'classic fast' "$(completions track --engine '')"
   expect 'files' '' "$(completions info '')"
   [[ -s $prefix/share/zsh/site-functions/_limber ]] || die 'no completion for zsh'
   [[ -s $prefix/share/fish/vendor_completions.d/limber.fish ]] || die 'no completion for fish'

@@ -47,7 +47,7 @@ std::vector<Vec3> MeshFrames::positions(std::size_t frame) const {
                              mesh.triangles().size() == first_mesh.triangles().size() ? ", differently joined" : ""));
 }
 
-TrackedModel::TrackedModel(const ModelArguments& arguments, const DeformingOptions& options, bool is_repeated)
+TrackedModel::TrackedModel(const ModelArguments& arguments, const ModelOptions& options, bool is_repeated)
     : frames_(arguments.frames),
       poses_(arguments.poses.empty() ? std::vector<Transform>(1) : read_poses(arguments.poses)),
       model_(frames_.first().mesh, options),
@@ -63,17 +63,17 @@ TreeUpdate TrackedModel::set_motion() {
   const bool is_still = frames_.count() == 1 && poses_.size() == 1;
   if (is_still && motion_) return {};  // it holds for all frames
   const Stopwatch setting;
-  if (!motion_) motion_.emplace(model_.fast());
+  if (!motion_) motion_.emplace(model_);
   value_or_bad_input(motion_->moving.set_motion(target_, poses_[pose_], poses_[next_pose_]));
-  return {setting.microseconds(), {}};
+  return {setting.microseconds()};
 }
 
 TreeUpdate TrackedModel::go() {
   pose_ = next_pose_;
   if (frames_.count() == 1) return {};
-  const DeformingWork before = model_.work();
+  const MaintenanceStats before = model_.maintenance_stats();
   const double elapsed_us = move_to_target();
-  return {elapsed_us, model_.work() - before};
+  return work_since(before, model_, elapsed_us);
 }
 
 std::vector<Vec3> TrackedModel::positions(std::size_t frame) {

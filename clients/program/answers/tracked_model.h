@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "answers/deforming_model.h"
 #include "answers/impacts.h"
 #include "limber/io.h"
+#include "limber/model.h"
 #include "verbs/replay.h"
 
 /// Models that move and deform from frame to frame, as `limber track` takes them.
@@ -45,11 +45,11 @@ class MeshFrames {
 class TrackedModel {
  public:
   /// Frames that come again are read once if the sequence `is_repeated`.
-  TrackedModel(const ModelArguments& arguments, const DeformingOptions& options, bool is_repeated);
+  TrackedModel(const ModelArguments& arguments, const ModelOptions& options, bool is_repeated);
 
   std::size_t mesh_count() const { return frames_.count(); }
   std::size_t pose_count() const { return poses_.size(); }
-  const DeformingModel& model() const { return model_; }
+  const Model& model() const { return model_; }
   const Transform& pose() const { return poses_[pose_]; }
   ReplayedState state() const { return {model_.mesh().positions(), pose()}; }
   std::uint32_t face_of(TriangleId triangle) const { return frames_.first().face_of_triangle[triangle]; }
@@ -58,8 +58,6 @@ class TrackedModel {
   void aim_at(std::size_t frame);
 
   /// Sets the motion to that frame.
-  ///
-  /// Pre      The engine is the fast one.
   TreeUpdate set_motion();
   /// Pre: it is set.
   const FrameMotion& motion() const { return *motion_; }
@@ -74,7 +72,7 @@ class TrackedModel {
   MeshFrames frames_;
   std::vector<Transform> poses_;  // world_from_model
   std::size_t pose_ = 0, next_pose_ = 0;
-  DeformingModel model_;
+  Model model_;
   std::vector<Vec3> target_;                              // the positions of the next frame
   std::optional<FrameMotion> motion_;                     // once one has been set
   std::vector<std::optional<std::vector<Vec3>>> cached_;  // by frame; empty when no frame comes twice

@@ -67,4 +67,11 @@ void add_distance_options(CLI::App& command, DistanceOptions& target) {
       ->type_name("LENGTH");
 }
 
+void add_motion_margin(CLI::App& command, ModelOptions& target) {
+  add_number(command, "--motion-margin", target.motion_margin, not_negative,
+             "how far a vertex may move before its bounds are refitted");
+}
+
+std::string words_of(const ModelOptions& options) { return fmt::format("motion margin {}", options.motion_margin); }
+
 }  // namespace limber::program

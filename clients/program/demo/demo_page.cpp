@@ -21,7 +21,7 @@ constexpr std::uint64_t max_megabytes = 8;
 TrackRow row_of(std::size_t number, const DemoFrame& frame) {
   TrackRow row;
   row.frame = number;
-  row.update = {frame.update_us, frame.update};
+  row.update = frame.update;
   row.query_us = frame.answer_us;
   row.result = frame.answer;
   if (const auto& found = frame.answer.witness) {
@@ -71,16 +71,14 @@ std::string spread_text(const Spread& spread) {
 std::vector<std::pair<std::string, std::string>> summary_rows(const DemoRun& run) {
   const DemoSummary summary = summary_of(run.frames);
   const DemoOptions& options = run.options;
-  const bool is_fast = options.model.engine == DeformingEngine::fast;
   std::vector<std::pair<std::string, std::string>> rows = {
       {"frames",
        fmt::format("{} in {:.2f} s, {} of them in contact", run.frames.size(), run.wall_s, summary.contact_frames)},
       {"dents", fmt::format("{} a frame, seed {}", options.dents_per_frame, options.seed)},
       {"vertices moved", fmt::format("{}, {} each on average", grouped(summary.updates.moved_vertices),
                                      duration_text(summary.update_us_per_vertex))},
-      {"tree", fmt::format("{} refits of {}, {} {} absorbed ({})", grouped(summary.updates.refits),
-                           is_fast ? "nodes" : "spheres", grouped(summary.updates.absorbed),
-                           is_fast ? "moves" : "spheres", words_of(options.model))},
+      {"tree", fmt::format("{} refits of nodes, {} moves absorbed ({})", grouped(summary.updates.refits),
+                           grouped(summary.updates.absorbed), words_of(options.model))},
       {"update", spread_text(summary.update_us)},
       {options.query.relative_error == 0 ? std::string("exact distance")
                                          : fmt::format("distance within {:g} %", 100 * options.query.relative_error),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -36,18 +37,18 @@ scenes::VertexMoves next_moves(scenes::Rng& rng, std::span<const Vec3> positions
 }
 
 /// Dents the sheet, timing only what the model does.
-void dent(DeformingModel& sheet, scenes::Rng& rng, std::uint64_t dents, DemoFrame& frame) {
-  const DeformingWork before = sheet.work();
+TreeUpdate dent(Model& sheet, scenes::Rng& rng, std::uint64_t dents) {
+  const MaintenanceStats before = sheet.maintenance_stats();
+  double elapsed_us = 0;
   for (std::uint64_t d = 0; d < dents; ++d) {
     const scenes::VertexMoves moves = next_moves(rng, sheet.mesh().positions());
     const Stopwatch moving;
     value_or_bad_input(sheet.move_vertices(moves.ids, moves.positions));
-    frame.update_us += moving.microseconds();
+    elapsed_us += moving.microseconds();
   }
   const Stopwatch committing;
   sheet.commit();
-  frame.update_us += committing.microseconds();
-  frame.update = sheet.work() - before;
+  return work_since(before, sheet, elapsed_us + committing.microseconds());
 }
 
 /// Whether an answer is right about the exact distance, up to the rounding of both.
@@ -57,10 +58,10 @@ bool is_confirmed(const DistanceResult& answer, double relative_error, double ex
          answer.upper <= (1 + relative_error) * exact + tolerance;
 }
 
-Spread spread_over(const std::vector<DemoFrame>& frames, double DemoFrame::*value) {
+Spread spread_over(const std::vector<DemoFrame>& frames, auto value_of) {
   std::vector<double> values;
   values.reserve(frames.size());
-  for (const DemoFrame& frame : frames) values.push_back(frame.*value);
+  for (const DemoFrame& frame : frames) values.push_back(std::invoke(value_of, frame));
   std::sort(values.begin(), values.end());
   const std::size_t count = values.size(), rank = (99 * count + 99) / 100;  // of the 99th percentile, from 1
   const auto p99 = rank < count ? std::optional(values[rank - 1]) : std::nullopt;
@@ -70,8 +71,8 @@ Spread spread_over(const std::vector<DemoFrame>& frames, double DemoFrame::*valu
 }  // namespace
 
 DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
-  DeformingModel sheet(scenes::thesis_sheet(), options.model);
-  const DeformingModel ball(scenes::thesis_ball(), options.model);
+  Model sheet(scenes::thesis_sheet(), options.model);
+  const Model ball(scenes::thesis_ball(), options.model);
   scenes::Rng rng(options.seed);
   std::vector<DemoFrame> frames;
   frames.reserve(options.frames);
@@ -82,12 +83,12 @@ DemoRun run_demo(const DemoOptions& options, const FrameWatcher& watcher) {
         ball_pose_at(done / static_cast<double>(options.frames), roughness(frames.size() * options.dents_per_frame));
     DemoFrame frame;
     frame.ball_pose = pose;
-    dent(sheet, rng, options.dents_per_frame, frame);
+    frame.update = dent(sheet, rng, options.dents_per_frame);
     const Stopwatch asking;
-    frame.answer = DeformingModel::distance(sheet, {}, ball, pose, options.query);
+    frame.answer = distance({sheet}, {ball, pose}, options.query);
     frame.answer_us = asking.microseconds();
     const Stopwatch asking_roughly;
-    frame.rough = DeformingModel::distance(sheet, {}, ball, pose, {.relative_error = rough_error});
+    frame.rough = distance({sheet}, {ball, pose}, {.relative_error = rough_error});
     frame.rough_us = asking_roughly.microseconds();
     frames.push_back(frame);
     watcher(frames.size());
@@ -118,18 +119,16 @@ bool is_confirmed_by_brute_force(const DemoRun& run) {
 DemoSummary summary_of(const std::vector<DemoFrame>& frames) {
   DemoSummary summary;
   summary.min_distance = frames.front().answer.upper;
-  double update_us = 0;
   for (const DemoFrame& frame : frames) {
     summary.updates += frame.update;
     summary.min_distance = std::min(summary.min_distance, frame.answer.upper);
     if (frame.answer.status == DistanceStatus::collision) ++summary.contact_frames;
-    update_us += frame.update_us;
   }
-  summary.update_us = spread_over(frames, &DemoFrame::update_us);
+  summary.update_us = spread_over(frames, [](const DemoFrame& frame) { return frame.update.elapsed_us; });
   summary.answer_us = spread_over(frames, &DemoFrame::answer_us);
   summary.rough_us = spread_over(frames, &DemoFrame::rough_us);
   if (summary.updates.moved_vertices > 0) {
-    summary.update_us_per_vertex = update_us / static_cast<double>(summary.updates.moved_vertices);
+    summary.update_us_per_vertex = summary.updates.elapsed_us / static_cast<double>(summary.updates.moved_vertices);
   }
   return summary;
 }

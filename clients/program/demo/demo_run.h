@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "answers/deforming_model.h"
 #include "limber/distance.h"
+#include "verbs/replay.h"
 
 /// The demonstration: a sheet is dented again and again while a ball flies over it.
 namespace limber::program {
@@ -22,7 +22,7 @@ struct DemoOptions {
   std::uint64_t dents_per_frame = 2;
   std::uint64_t seed = 1;
   DistanceOptions query;
-  DeformingOptions model;
+  ModelOptions model;
 };
 
 /// A second query in each frame is asked at this error, to show what an approximate answer costs and gives.
@@ -30,8 +30,7 @@ inline constexpr double rough_error = 0.1;
 
 struct DemoFrame {
   Transform ball_pose;
-  DeformingWork update;   ///< of this frame alone
-  double update_us = 0;   ///< moving the vertices and repairing the tree
+  TreeUpdate update;      ///< of this frame alone
   DistanceResult answer;  ///< at the error asked for
   double answer_us = 0;
   DistanceResult rough;  ///< at `rough_error`
@@ -72,7 +71,7 @@ struct Spread {
 
 /// The summary of a run.
 struct DemoSummary {
-  DeformingWork updates;
+  TreeUpdate updates;
   Spread update_us, answer_us, rough_us;
   double min_distance = 0;  ///< the smallest upper bound
   std::uint64_t contact_frames = 0;

@@ -58,8 +58,7 @@ TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
                       {"--closest 0", "--closest: must be a whole number from 1"},
                       {"--closest 1000001", "--closest: must be a whole number from 1 to 1000000, not"},
                       {"--margin 1 --max-count -1", "--max-count: must be a whole number from 0"},
-                      {"--margin 1 --out - --json", "--out: leaves no room on standard output"},
-                      {"--margin 1 --engine fast", "'--engine' is no option"}});
+                      {"--margin 1 --out - --json", "--out: leaves no room on standard output"}});
   expect_refused("contacts scene:ball --margin 1", "contacts: B is required");
   expect_refused("self --margin 1", "self: M is required");
   expect_all_refused("self scene:ball ", {{"--margin 1 --intersections", "self: --margin: leaves no room for"},
@@ -68,8 +67,6 @@ TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
                                           {"--pose-a 0,0,0,1,0,0,0", "self: '--pose-a' is no option"}});
   expect_all_refused(tracked_balls, {{"--margin 1", "track: --margin: belongs to --contacts and --self"},
                                      {"--contacts --margin -1", "--margin: " + not_negative},
-                                     {"--contacts --engine classic", "track: --contacts: belongs to --engine fast"},
-                                     {"--self --engine classic", "track: --self: belongs to --engine fast"},
                                      {"--self", "track: --self: neither model deforms"}});
 }
 
@@ -79,7 +76,6 @@ TEST(ProgramBadInput, QuestionsAboutMotion) {
   const std::string one = folder.store("one.csv", "0,0,3,1,0,0,0\n");
   const std::string three = folder.store("three.csv", text_of(two) + "0,0,3,1,0,0,0\n");
   expect_all_refused(tracked_balls, {{"--continuous", "track: --continuous: there is one frame alone"},
-                                     {"--continuous --engine classic", "--continuous: belongs to --engine fast"},
                                      {"--ignore-crossings --poses-a " + two, "--continuous"}});
   for (const std::string verb : {"collide ", "distance ", "within --max-distance 1 "}) {
     expect_all_refused(verb + of_balls,
@@ -132,15 +128,7 @@ TEST(ProgramBadInput, Numbers) {
   expect_all_refused("distance " + of_balls, {{"--absolute-error -1", "--absolute-error: " + not_negative},
                                               {"--max-distance -1", "--max-distance: must be a number >= 0"},
                                               {"--max-distance nan", "--max-distance: must be a number >= 0"}});
-  expect_all_refused(tracked_balls, {{"--mode depth", "--mode: must be one of immediate|batched|by-depth"},
-                                     {"--mode batched", "--mode: belongs to --engine classic"},
-                                     {"--stale-ratio 2", "--stale-ratio: belongs to --engine classic"},
-                                     {"--stale-ratio 0.9", "--stale-ratio: must be a number from 1"},
-                                     {"--stale-ratio nan", "--stale-ratio: must be a number from 1"},
-                                     {"--motion-margin auto", "--motion-margin: " + not_negative},
-                                     {"--engine classic --extra-radius 1e9", "--extra-radius: must be a number from 0"},
-                                     {"--engine classic --extra-radius auto", "--extra-radius: must be a number from"},
-                                     {"--engine reference", "--engine: must be one of fast|classic"},
+  expect_all_refused(tracked_balls, {{"--motion-margin auto", "--motion-margin: " + not_negative},
                                      {"--loop 0", "--loop: must be a whole number from 1"},
                                      {"--loop 1.5", "--loop: must be a whole number from 1"}});
   expect_all_refused("demo ", {{"--frames 0", "--frames: must be a whole number from 1"},

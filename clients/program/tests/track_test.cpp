@@ -35,15 +35,12 @@ std::string below_ball(const Folder& folder, const Words& frames) {
 TEST(ProgramTrack, PrintsOneRowPerFrame) {
   const Folder folder;
   const std::string line = below_ball(folder, stored_waves(folder, 3));
-  const std::vector<Row> rows = table_of(answer_to(line)),
-                         classic_rows = table_of(answer_to(line + " --engine classic"));
+  const std::vector<Row> rows = table_of(answer_to(line));
   ASSERT_EQ(rows.size(), 3U);
   for (std::size_t f = 0; f < rows.size(); ++f) EXPECT_EQ(rows[f].at("frame"), std::to_string(f));
   EXPECT_EQ(rows[0].at("moved_vertices"), "0");
   EXPECT_EQ(rows[1].at("moved_vertices"), "81");
   EXPECT_EQ(rows[1].at("refits"), "4");  // 8-nodes: two above leaves, and their ancestors
-  EXPECT_EQ(classic_rows[1].at("refits"), "255");
-  EXPECT_NEAR(number(rows[1].at("upper")), number(classic_rows[1].at("upper")), 1e-14);
 }
 
 TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
@@ -62,27 +59,17 @@ TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   }
 }
 
-TEST(ProgramTrack, UpkeepDoesDifferentWorkForTheSameDistances) {
+TEST(ProgramTrack, AMotionMarginAbsorbsMovesAndKeepsTheDistances) {
   const Folder folder;
   const std::string line = below_ball(folder, stored_waves(folder, 4, true));
-  const auto tight = json_rows_of(line);
-  std::uint64_t refits_before = 0;
-  for (const std::string options : {"--mode by-depth", "--mode batched", "--mode immediate"}) {  // least work first
-    const auto found = json_rows_of(line + " --engine classic " + options);
-    EXPECT_LT(found[1]["moved_vertices"], 81);
-    EXPECT_GT(found[1]["refits"].get<std::uint64_t>(), refits_before) << options;
-    refits_before = found[1]["refits"];
-    for (std::size_t f = 0; f < 4; ++f) EXPECT_NEAR(found[f]["upper"].get<double>(), tight[f]["upper"], 1e-14);
+  const auto tight = json_rows_of(line), loose = json_rows_of(line + " --motion-margin 0.5");
+  EXPECT_LT(tight[1]["moved_vertices"], 81);
+  std::uint64_t absorbed = 0;
+  for (std::size_t f = 0; f < 4; ++f) {
+    EXPECT_NEAR(loose[f]["upper"].get<double>(), tight[f]["upper"], 1e-14);
+    absorbed += loose[f]["absorbed"].get<std::uint64_t>();
   }
-  for (const std::string loose : {"--motion-margin 0.5", "--engine classic --extra-radius 0.3 --stale-ratio 3"}) {
-    const auto found = json_rows_of(line + ' ' + loose);
-    std::uint64_t absorbed = 0;
-    for (std::size_t f = 0; f < 4; ++f) {
-      EXPECT_NEAR(found[f]["upper"].get<double>(), tight[f]["upper"], 1e-14);
-      absorbed += found[f]["absorbed"].get<std::uint64_t>();
-    }
-    EXPECT_GT(absorbed, 0U) << loose;
-  }
+  EXPECT_GT(absorbed, 0U);
 }
 
 TEST(ProgramTrack, PosesMoveRigidModels) {
@@ -117,7 +104,7 @@ TEST(ProgramTrack, TellsWhetherAClearanceIsKept) {
   expect_marks(" --min-clearance 2.5 --max-distance 2.5", "false true true ", 3);
   // Errors that are allowed do not decide.
   expect_marks(" --min-clearance 2 --relative-error 1", "false false true ", 3);
-  expect_marks(" --min-clearance 2 --engine classic --absolute-error 1", "false false true ", 3);
+  expect_marks(" --min-clearance 2 --absolute-error 1", "false false true ", 3);
   EXPECT_EQ(table_of(run(line).out).front().count("too_close"), 0U);
   EXPECT_EQ(json_lines_of(run(line + " --min-clearance 2 --json"))[2]["too_close"], true);
   expect_refused(line + " --min-clearance 2 --max-distance 1", "--max-distance");
@@ -166,7 +153,6 @@ TEST(ProgramTrack, TellsHowDeepClosedModelsAreInEachOther) {
     EXPECT_FALSE(without[f].contains("depth"));
   }
   expect_refused("track --a scene:ball --b scene:square --depth", "--depth: scene:square: the surface is not closed");
-  expect_refused("track --a scene:ball --b scene:ball --depth --engine classic", "--depth: belongs to --engine fast");
 }
 
 TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {

@@ -55,8 +55,7 @@ Json as_json(const DemoRun& run, const std::string& page) {
       {"dents_per_frame", run.options.dents_per_frame},
       {"seed", run.options.seed},
       {"relative_error", run.options.query.relative_error},
-      {"engine", to_text(run.options.model.engine)},
-      {"upkeep", words_of(run.options.model)},
+      {"motion_margin", run.options.model.motion_margin},
       {"moved_vertices", summary.updates.moved_vertices},
       {"refits", summary.updates.refits},
       {"absorbed", summary.updates.absorbed},
@@ -109,7 +108,7 @@ Verb add_demo(CLI::App& app, const std::string& command_line) {
             "dents in each frame; one moves about 116 of the 10 201 vertices");
   add_count(command, "--seed", demo.seed, {}, "seed of the random dents");
   add_relative_error(command, demo.query.relative_error);
-  add_deforming(command, demo.model);
+  add_motion_margin(command, demo.model);
   command.add_option("--report", arguments->report, "where the page is written")
       ->type_name("FILE")
       ->capture_default_str()

@@ -36,16 +36,24 @@ Json named_objects(const Names& names) {
 
 TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
   elapsed_us = rounded_us(elapsed_us + other.elapsed_us);
-  done += other.done;
+  moved_vertices += other.moved_vertices;
+  refits += other.refits;
+  absorbed += other.absorbed;
   return *this;
+}
+
+TreeUpdate work_since(const MaintenanceStats& before, const limber::Model& model, double elapsed_us) {
+  const MaintenanceStats now = model.maintenance_stats();
+  return {elapsed_us, now.moved_vertices - before.moved_vertices, now.refits - before.refits,
+          now.absorbed - before.absorbed};
 }
 
 Json to_json(const TrackRow& row) {
   Json json = {{"frame", row.frame}, {"update_us", row.update.elapsed_us}, {"query_us", row.query_us}};
   append_distance(json, row.result, row.witness);
-  json["moved_vertices"] = row.update.done.moved_vertices;
-  json["refits"] = row.update.done.refits;
-  json["absorbed"] = row.update.done.absorbed;
+  json["moved_vertices"] = row.update.moved_vertices;
+  json["refits"] = row.update.refits;
+  json["absorbed"] = row.update.absorbed;
   json["node_tests"] = row.result.stats.node_tests;
   json["primitive_tests"] = row.result.stats.primitive_tests;
   if (row.too_close) json["too_close"] = *row.too_close;

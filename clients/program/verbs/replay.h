@@ -11,10 +11,10 @@
 
 #include "answers/answers.h"
 #include "answers/contact_answers.h"
-#include "answers/deforming_model.h"
 #include "answers/impacts.h"
 #include "formats/position_frames.h"
 #include "limber/distance.h"
+#include "limber/model.h"
 
 /// What `limber track` says about each frame, and what the viewer plays: two models that move and deform, and what was
 /// asked about them.
@@ -23,10 +23,13 @@ namespace limber::program {
 /// Work done on trees between two frames.
 struct TreeUpdate {
   double elapsed_us = 0;
-  DeformingWork done;
+  std::uint64_t moved_vertices = 0;
+  std::uint64_t refits = 0;    ///< 8-nodes
+  std::uint64_t absorbed = 0;  ///< moves of vertices that needed no refit
 
   TreeUpdate& operator+=(const TreeUpdate& other);
 };
+TreeUpdate work_since(const MaintenanceStats& before, const limber::Model& model, double elapsed_us);
 
 /// The pairs of triangles of one frame, and the word that their columns start with.
 struct FrameContacts {
@@ -74,7 +77,7 @@ class Replay {
   struct Sequence {
     std::size_t frame_count = 0, row_count = 0;  ///< a sequence that is played again has more rows than frames
     Names contact_names, impact_names;
-    std::string engine;  ///< in words
+    std::string engine;  ///< its settings in words
     DistanceOptions query;
     std::optional<double> min_clearance;
     std::uint64_t max_megabytes = 0;  ///< that the page may have

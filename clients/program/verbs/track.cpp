@@ -12,7 +12,6 @@
 
 #include "answers/answers.h"
 #include "answers/contact_answers.h"
-#include "answers/deforming_model.h"
 #include "answers/impacts.h"
 #include "answers/models.h"
 #include "answers/tracked_model.h"
@@ -34,7 +33,7 @@ struct TrackArguments {
   ModelArguments a, b;
   DistanceOptions query;
   std::optional<double> min_clearance;
-  DeformingOptions model;
+  ModelOptions model;
   bool depth = false;            // how deep the models are in each other
   bool contacts = false;         // pairs of triangles of the two models are counted
   bool self_contacts = false;    // pairs of triangles of each deforming model with itself are counted
@@ -48,20 +47,13 @@ struct TrackArguments {
   std::uint64_t max_report_megabytes = 60;
 };
 
-/// Throws BadInput where an option has no meaning without another, or with the engine.
+/// Throws BadInput where an option has no meaning without another.
 void check_options(const TrackArguments& arguments) {
   if (arguments.margin && !arguments.contacts && !arguments.self_contacts) {
     throw BadInput("--margin: belongs to --contacts and --self");
   }
   if (arguments.min_clearance > arguments.query.max_distance) {
     throw BadInput("--max-distance: must be at least --min-clearance");
-  }
-  if (arguments.model.engine == DeformingEngine::fast) return;
-  for (const auto& [is_given, name] : {std::pair{arguments.depth, "--depth"},
-                                       {arguments.contacts, "--contacts"},
-                                       {arguments.self_contacts, "--self"},
-                                       {arguments.continuous, "--continuous"}}) {
-    if (is_given) throw BadInput(fmt::format("{}: belongs to --engine fast", name));
   }
 }
 
@@ -99,7 +91,7 @@ struct Asked {
 
 /// Errors   BadInput unless the model is closed.
 ClosedSurface body_of(const ModelArguments& arguments, const TrackedModel& model) {
-  return value_or_bad_input(ClosedSurface::create(model.model().fast()), "--depth: " + arguments.frames.front() + ": ");
+  return value_or_bad_input(ClosedSurface::create(model.model()), "--depth: " + arguments.frames.front() + ": ");
 }
 
 Asked asked_pairs(const TrackArguments& arguments, const TrackedModel& a, const TrackedModel& b) {
@@ -129,7 +121,7 @@ Names names_of(const std::vector<AskedPair>& asked) {
 FrameContacts find_contacts(const AskedPair& asked, double margin) {
   // One is kept, the worst; the others are only counted.
   FrameContacts answer{asked.name, collect_contacts(1, ContactDetail::all, [&](ContactCollector& visit) {
-                         const Model &a = asked.a->model().fast(), &b = asked.b->model().fast();
+                         const Model &a = asked.a->model(), &b = asked.b->model();
                          if (&a == &b) return visit_self_contacts(a, margin, visit);
                          return visit_contacts({a, asked.a->pose()}, {b, asked.b->pose()}, margin, visit);
                        })};
@@ -172,7 +164,7 @@ TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::
   row.update += b.go();
   const Stopwatch asking;
   row.result = decided_distance(arguments.query, arguments.min_clearance, [&](const DistanceOptions& options) {
-    return DeformingModel::distance(a.model(), a.pose(), b.model(), b.pose(), options);
+    return distance({a.model(), a.pose()}, {b.model(), b.pose()}, options);
   });
   row.query_us = asking.microseconds();
   row.witness = with_faces(row.result.witness, a, b);
@@ -310,17 +302,17 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
   add_min_clearance(command, arguments->min_clearance,
                     "exit with 3 instead of 0 when the models are closer than this length in a frame, or with "
                     "--continuous touch between two, or with --depth overlap; at most --max-distance");
-  add_deforming(command, arguments->model);
-  command.add_flag("--depth", arguments->depth, "fast: also how deep closed models are in each other");
+  add_motion_margin(command, arguments->model);
+  command.add_flag("--depth", arguments->depth, "also how deep closed models are in each other");
   command.add_flag("--contacts", arguments->contacts,
-                   "fast: also count the pairs of triangles of the two models that intersect or are close");
+                   "also count the pairs of triangles of the two models that intersect or are close");
   command.add_flag("--self", arguments->self_contacts,
-                   "fast: also count the pairs of triangles of each deforming model with itself");
+                   "also count the pairs of triangles of each deforming model with itself");
   add_margin(command, arguments->margin,
              "with --contacts and --self: how far apart pairs are at most; without it they have to intersect");
   CLI::Option* const continuous =
       command.add_flag("--continuous", arguments->continuous,
-                       "fast: also when the models first touch on the way from each frame to the next, and with --self "
+                       "also when the models first touch on the way from each frame to the next, and with --self "
                        "when a model that deforms touches itself");
   command
       .add_flag("--ignore-crossings", arguments->ignore_crossings,
