@@ -24,7 +24,7 @@ before(() => {
   const moving = ['--b', 'scene:ball', '--poses-b', session.store('poses.csv', poses)];
   session.make('far', 'distance', sheets[0], 'scene:ball', '--pose-a', pose, '--pose-b', '40,0,0,1,0,0,0');
   session.make('floor', 'distance', floor, 'scene:ball', '--pose-b', '7,-3,1.5,1,0,0,0');
-  session.make('crossing', 'distance', 'scene:soup:1', 'scene:soup:2', '--pose-b', pose);
+  session.make('crossing', 'distance', sheets[0], sheets[9], '--pose-b', pose);
   const rows = [
     `${box},scene:ball,3,1,1`,
     `${box},scene:ball,1,1,1`,
@@ -163,7 +163,7 @@ test('long edges are divided so that the map sees what is near, and the parts of
 });
 
 test('triangles that intersect are all marked', () => {
-  const words = ['contacts', 'scene:soup:1', 'scene:soup:2', '--pose-b', pose, '--margin', '0'];
+  const words = ['contacts', session.file('sheet0.obj'), session.file('sheet9.obj'), '--pose-b', pose, '--margin', '0'];
   const [{ pairs }] = session.ask(...words, '--max-count', '100000');
   assert.ok(pairs.length > 10);
   assert.equal(data.crossing.pair.intersections, pairs.length);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reports/distance_report.h"
+#include "reports/study.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,6 @@
 #include "limber/contacts.h"
 #include "limber/points.h"
 #include "reports/page_data.h"
-#include "reports/study.h"
 
 namespace limber::program {
 namespace {

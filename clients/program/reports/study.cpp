@@ -12,7 +12,6 @@
 #include "formats/position_frames.h"
 #include "limber/contacts.h"
 #include "reports/page_data.h"
-#include "reports/page_template.h"
 
 namespace limber::program {
 namespace {
@@ -48,7 +47,7 @@ Json json_of_model(const std::string& file, const RigidModel& model) {
           {"triangles", mesh.triangles().size()},
           {"vertices", mesh.positions().size()},
           {"faces", model.face_count()},
-          {"closed", model.is_closed()},
+          {"closed", static_cast<bool>(model.surface())},
           {"low", to_json(model.box().low)},
           {"high", to_json(model.box().high)},
           {"positions", quantized(triangles.in_order(MeshView(mesh).positions))},
