@@ -9,8 +9,7 @@
 /// The page of `limber distance --report`.
 namespace limber::program {
 
-/// All that the page shows: the answer, both meshes as placed, the distance of each from the other over its surface,
-/// and the triangles that intersect.
+/// All that the page shows: the answer, both meshes, and the triangles that intersect.
 Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
                      const DistanceAnswer& answer);
 

@@ -23,7 +23,7 @@ extern const std::string_view viewer_template;
 
 /// What the data consist of. The page says which it reads, in clients/pages/build.mjs; both are raised when what
 /// clients/pages/viewer/data.ts names changes.
-inline constexpr int page_format = 2;
+inline constexpr int page_format = 3;
 
 /// The page with its data in place: answers in rows, as Study and Replay give them. The program's version, the time and
 /// the command line are added.
