@@ -27,7 +27,6 @@ PRIVATE = {
     "penetration": ("pair", "point", "model", "bvh", "mesh", "geometry", "simd", "layout", "base"),
     "solid": ("pair", "point", "model", "bvh", "mesh", "geometry", "simd", "layout", "base"),
     "scene": ("motion/rigid", "model", "bvh", "geometry", "simd", "layout", "base"),
-    "classic": ("mesh", "geometry", "base"),
     "io": ("base/check.h", "base/float_environment.h"),
 }
 
@@ -47,7 +46,6 @@ PUBLIC: dict[str, tuple[str, ...] | None] = {
     "penetration": None,
     "solid": None,
     "scene": None,
-    "classic": None,
     "io": ("base.h", "math.h", "geometry.h", "mesh.h", "io.h"),
 }
 

@@ -20,7 +20,7 @@ import random_faults
 from repository import Finding, cpp_code, files
 
 HEAD = "// SPDX-FileCopyrightText: The limber authors\n// SPDX-License-Identifier: BSD-3-Clause\n"
-HEADERS = {f"include/limber/{name}.h": HEAD for name in ("base", "math", "geometry", "mesh", "classic", "io")}
+HEADERS = {f"include/limber/{name}.h": HEAD for name in ("base", "math", "geometry", "mesh", "io")}
 
 
 class Repository(unittest.TestCase):
@@ -54,8 +54,7 @@ class Layers(Repository):
         for path, target in (
             ("src/geometry/a.cpp", "base/check.h"),
             ("src/geometry/a.cpp", "geometry/b.h"),
-            ("src/classic/a.cpp", "mesh/updates.h"),
-            ("src/classic/a.cpp", "limber/classic.h"),
+            ("src/model/a.cpp", "mesh/updates.h"),
             ("src/io/a.cpp", "limber/io.h"),
             ("src/io/a.cpp", "base/check.h"),
             ("src/io/a.cpp", "<nlohmann/json.hpp>"),
@@ -65,8 +64,8 @@ class Layers(Repository):
             ("include/limber/mesh.h", "limber/base.h"),
             ("include/limber/mesh.h", "<vector>"),
             ("include/limber/eigen.h", "<Eigen/Core>"),
-            ("tests/unit/a_test.cpp", "classic/tree.h"),
-            ("tests/property/a_test.cpp", "classic/tree.h"),
+            ("tests/unit/a_test.cpp", "bvh/tree.h"),
+            ("tests/property/a_test.cpp", "bvh/tree.h"),
             ("tests/oracle/a_test.cpp", "<CGAL/Point_3.h>"),
             ("clients/program/a.cpp", "<fmt/format.h>"),
             ("tests/unit/a_test.cpp", "support/b.h"),
@@ -79,10 +78,10 @@ class Layers(Repository):
     def test_everything_else_is_not(self) -> None:
         for path, target in (
             ("src/base/a.cpp", "geometry/b.h"),
-            ("src/geometry/a.cpp", "classic/tree.h"),
-            ("src/geometry/a.cpp", "limber/classic.h"),
-            ("src/classic/a.cpp", "model/placed.h"),
-            ("src/classic/a.cpp", "limber/io.h"),
+            ("src/geometry/a.cpp", "bvh/tree.h"),
+            ("src/geometry/a.cpp", "limber/mesh.h"),
+            ("src/mesh/a.cpp", "model/placed.h"),
+            ("src/model/a.cpp", "limber/io.h"),
             ("src/io/a.cpp", "base/rounding.h"),
             ("src/newcomer/a.cpp", "base/check.h"),
             ("src/base/a.cpp", "../geometry/b.h"),
@@ -95,8 +94,8 @@ class Layers(Repository):
             ("src/geometry/a.cpp", "<nlohmann/json.hpp>"),
             ("clients/program/a.cpp", "<CGAL/Point_3.h>"),
             ("clients/program/a.cpp", "base/check.h"),
-            ("tests/oracle/a_test.cpp", "classic/tree.h"),
-            ("bench/thesis/a.cpp", "classic/tree.h"),
+            ("tests/oracle/a_test.cpp", "bvh/tree.h"),
+            ("bench/thesis/a.cpp", "bvh/tree.h"),
             ("include/limber/mesh.h", "base/check.h"),
             ("include/limber/mesh.h", "<fmt/format.h>"),
             ("include/limber/mesh.h", "<Eigen/Core>"),

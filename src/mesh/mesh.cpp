@@ -155,12 +155,6 @@ Result<void> Mesh::set_positions(std::span<const Vec3> positions) {
   return {};
 }
 
-void MeshWriter::set_position(Mesh& mesh, VertexId id, const Vec3& position) {
-  LIMBER_ASSERT(id < mesh.positions_.size());
-  LIMBER_ASSERT(is_finite(position) && max_abs(position) <= max_coordinate);
-  mesh.positions_[id] = position;
-}
-
 void MeshWriter::set_positions(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
   LIMBER_ASSERT(static_cast<bool>(check_update(mesh, ids, positions)));
   if (overlaps(mesh, positions)) {
