@@ -58,7 +58,7 @@ class Layers(Repository):
             ("src/io/a.cpp", "limber/io.h"),
             ("src/io/a.cpp", "base/check.h"),
             ("src/io/a.cpp", "<nlohmann/json.hpp>"),
-            ("src/io/file_bytes.cpp", "<fcntl.h>"),
+            ("src/io/scan.cpp", "<xlocale.h>"),
             ("src/geometry/exact_sign.cpp", "<boost/multiprecision/cpp_int.hpp>"),
             ("src/geometry/integers.h", "<boost/multiprecision/cpp_int.hpp>"),
             ("include/limber/mesh.h", "limber/base.h"),
