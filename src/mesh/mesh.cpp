@@ -56,13 +56,13 @@ std::uint64_t hash_of_edge(VertexId v, VertexId w) {
   return ((hash ^ (0 - is_back)) + is_back) & (0 - counts);
 }
 
-/// Whether each edge is run through as often in one direction as in the other; an edge from a vertex to itself does not
+/// Whether each edge is run through as often in one direction as in the other; one from a vertex to itself does not
 /// count. True for all such triangles; for others with a probability of 2^-64.
 ///
 /// Based on  the boundary of a chain of triangles: the sum of their directed edges, in which opposite ones cancel.
-/// Differs   Edges are replaced by 64-bit hashes, so that the sum is a number. It is 0 if the boundary is, and otherwise
-///           as good as random. A table of edges would tell for certain, at many times the cost of all else that a new
-///           mesh has checked.
+/// Differs   Edges are replaced by 64-bit hashes, so that the sum is a number: 0 if the boundary is, and otherwise as
+///           good as random. A table of edges would tell for certain, at many times the cost of all else that a new mesh
+///           has checked.
 bool has_no_boundary(std::span<const Corners> triangles) {
   std::uint64_t sum = 0;
   for (const Corners& c : triangles) {

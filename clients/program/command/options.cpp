@@ -36,10 +36,6 @@ void add_out(CLI::App& command, std::string& target, const std::string& where) {
   add_file(command, "--out", target, "FILE", where + "where the answer is written, - for standard output");
 }
 
-CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description) {
-  return command.add_flag("--json", target, description);
-}
-
 CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told) {
   return command.add_flag("--exit-code", target,
                           fmt::format("exit with {} instead of 0 when {}", static_cast<int>(ExitCode::found), told));

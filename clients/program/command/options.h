@@ -61,9 +61,6 @@ CLI::Option* add_file(CLI::App& command, const std::string& name, std::string& t
 /// `--out`, of a verb whose answer is a table; "-" is standard output.
 void add_out(CLI::App& command, std::string& target, const std::string& where = {});
 
-/// `--json`.
-CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description);
-
 /// `--exit-code`, with what it tells: "the models collide".
 CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told);
 

@@ -11,7 +11,6 @@
 
 #include "answers/answers.h"
 #include "answers/contact_answers.h"
-#include "answers/impacts.h"
 #include "formats/position_frames.h"
 #include "limber/distance.h"
 #include "limber/model.h"
@@ -44,12 +43,10 @@ struct TrackRow {
   double query_us = 0;
   DistanceResult result;
   std::optional<FoundWitness> witness;
-  /// Whether the models are closer than a clearance that is required, or touch on the way from the line before; empty
-  /// where none is.
+  /// Whether the models are closer than a clearance that is required, or overlap; empty where none is.
   std::optional<bool> too_close;
   std::optional<double> depth;  ///< of closed models in each other, as proven_depth() has it, where that is asked
   std::vector<FrameContacts> contacts;
-  std::vector<FrameImpact> impacts;  ///< on the way from the line before
 };
 
 Json to_json(const TrackRow& row);
@@ -76,7 +73,7 @@ class Replay {
 
   struct Sequence {
     std::size_t frame_count = 0, row_count = 0;  ///< a sequence that is played again has more rows than frames
-    Names contact_names, impact_names;
+    Names contact_names;
     std::string engine;  ///< its settings in words
     DistanceOptions query;
     std::optional<double> min_clearance;
@@ -120,7 +117,7 @@ class Replay {
   Sequence sequence_;
   std::array<Model, 2> models_;
   std::size_t stride_ = 1;
-  Json rows_, contacts_, impacts_;
+  Json rows_, contacts_;
 };
 
 }  // namespace limber::program
