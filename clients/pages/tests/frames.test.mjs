@@ -11,7 +11,7 @@ const { grouped, inPage, median, shown, shownTime } = await module('shared/numbe
 
 const session = new Session();
 const { answers, data } = session;
-const tracks = ['replay', 'twice', 'single', 'clearance'];
+const tracks = ['replay', 'single', 'clearance'];
 const demos = ['usual', 'few', 'thinned'];
 
 before(async () => {
@@ -24,7 +24,6 @@ before(async () => {
   const moving = ['--b', 'scene:ball', '--poses-b', session.store('poses.csv', poses.join(''))];
   const more = ['--relative-error', '0.3', '--contacts', '--margin', '0.5'];
   session.make('replay', 'track', '--a', ...frames, ...moving, ...more);
-  session.make('twice', 'track', '--a', ...frames.slice(0, 3), '--b', 'scene:ball', '--loop', '2');
   session.make('single', 'track', '--a', box, '--b', 'scene:ball');
   const heights = [3, 2.5, 1.6, 4].map((z) => `0,0,${z},1,0,0,0\n`).join('');
   const falling = ['track', '--a', 'scene:ball', '--poses-a', session.store('moves.csv', heights)];

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "command/text.h"
-#include "formats/position_frames.h"
 #include "limber/contacts.h"
 #include "limber/points.h"
 #include "reports/page_data.h"
