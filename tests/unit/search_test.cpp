@@ -1,18 +1,27 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Where one model is flat, the closest triangles are guessed.
-#include "pair/likely_pair.h"
-#include "limber/distance.h"
-
+// What a search of pairs is made of: the queue by buckets; a collector of all hits, the example of
+// docs/design/adding_a_query.md; and the guess of the closest triangles where one model is flat.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
+#include "geometry/primitives.h"
+#include "limber/distance.h"
+#include "limber/model.h"
+#include "pair/bucket_queue.h"
+#include "pair/collectors/collector.h"
+#include "pair/likely_pair.h"
+#include "pair/search.h"
+#include "reference/reference.h"
 #include "scenes/scenes.h"
 #include "support/brute_force.h"
 #include "support/random_scene.h"
@@ -21,6 +30,141 @@
 
 namespace limber::testing {
 namespace {
+
+// --- the queue ---
+
+using pair::BucketQueue;
+using pair::NodePair;
+
+NodePair pair_with(float bound_sq) { return {bound_sq, {0, 0}, 0, 0, false}; }
+
+// Not inlined: GCC 12 would warn of an overflow that an assertion excludes.
+[[gnu::noinline]] void push(BucketQueue& queue, float bound_sq) { queue.push(pair_with(bound_sq)); }
+[[gnu::noinline]] void push_first(BucketQueue& queue, float bound_sq) { queue.push_first(pair_with(bound_sq)); }
+
+TEST(BucketQueue, HoldsWhatItWasGivenAndKnowsTheLeast) {
+  scenes::Rng rng(60);
+  for (int i = 0; i < 200; ++i) {
+    const auto queue = std::make_unique<BucketQueue>();
+    queue->focus(1, static_cast<float>(rng.uniform(1, 30)));
+    std::multiset<float> held;
+    const auto pop = [&] {
+      ASSERT_EQ(queue->least_bound_sq(), *held.begin());
+      const auto taken = held.find(queue->pop().bound_sq);
+      ASSERT_NE(taken, held.end());
+      held.erase(taken);
+    };
+    for (std::uint64_t k = rng.below(100); k > 0; --k) {
+      const float bound_sq = *held.insert(static_cast<float>(rng.uniform(0, 40)));
+      rng.below(8) == 0 ? push_first(*queue, bound_sq) : push(*queue, bound_sq);
+      if (rng.below(4) == 0) pop();
+      if (rng.below(16) == 0) queue->focus(1, static_cast<float>(rng.uniform(1, 30)));
+    }
+    while (!queue->empty() && !HasFatalFailure()) pop();
+    ASSERT_TRUE(held.empty());
+  }
+}
+
+TEST(BucketQueue, IsTakenNearestFirstToWithinABucket) {
+  scenes::Rng rng(61);
+  const auto queue = std::make_unique<BucketQueue>();
+  queue->focus(0, 64);
+  for (int i = 0; i < 1000; ++i) push(*queue, static_cast<float>(rng.uniform(0, 64)));
+  float last = 0;
+  while (!queue->empty()) {
+    const float bound_sq = queue->pop().bound_sq;
+    ASSERT_GT(bound_sq, last - 1);
+    last = bound_sq;
+  }
+  EXPECT_GT(last, 60);
+}
+
+TEST(BucketQueue, UsesTheRoomOfTakenPairsAgain) {
+  const auto queue = std::make_unique<BucketQueue>();
+  queue->focus(0, 64);
+  push(*queue, 63);
+  for (int i = 0; i < 100'000; ++i) {  // more than there is room for
+    push(*queue, 1);
+    ASSERT_TRUE(queue->has_only_ordered()) << i;  // no pair had to go to the stack
+    ASSERT_EQ(queue->pop().bound_sq, 1);
+  }
+}
+
+TEST(BucketQueue, IsNotGivenUpWhileAPairIsBelowTheLimit) {
+  const auto queue = std::make_unique<BucketQueue>();
+  queue->focus(0, 64);  // buckets of width 1
+  push(*queue, 10.25F);
+  EXPECT_FALSE(queue->all_beyond(10.5F));  // in the bucket of the limit, and below the limit
+  EXPECT_FALSE(queue->all_beyond(40));
+  EXPECT_TRUE(queue->all_beyond(9.5F));
+  push_first(*queue, 50);
+  EXPECT_FALSE(queue->all_beyond(9.5F));
+}
+
+// --- a collector of all hits ---
+
+/// How many pairs of triangles are at most a given distance apart.
+class CountWithin {
+ public:
+  static constexpr pair::Hits hits = pair::Hits::all;
+  static constexpr bool is_self = false;
+
+  explicit CountWithin(double max_distance) : max_distance_(max_distance) {}
+
+  /// Just above the limit: a pair exactly max_distance apart counts.
+  double initial_cutoff() const { return std::nextafter(max_distance_, std::numeric_limits<double>::infinity()); }
+  bool is_done() const { return false; }
+
+  void compare(const pair::PlacedTriangle& a, const pair::PlacedTriangle& b) {
+    if (geometry::closest_points(a.corners, b.corners).distance <= max_distance_) ++count;
+  }
+
+  std::uint64_t count = 0;
+
+ private:
+  double max_distance_;
+};
+
+std::uint64_t count_within(const Placed& a, const Placed& b, double max_distance) {
+  const pair::PlacedPair placed(a, b);
+  CountWithin collector(max_distance);
+  QueryStats stats;
+  pair::BudgetMeter meter;
+  pair::search_all(placed, collector, meter, stats);
+  return collector.count;
+}
+
+std::uint64_t brute_force_count(const Placed& a, const Placed& b, double max_distance) {
+  return reference::contacts({a.model().mesh(), a.pose}, {b.model().mesh(), b.pose}, max_distance).size();
+}
+
+TEST(CountingCollector, IsOfferedEachOfManyCoincidentTriangles) {
+  const Triangle low{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, high{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
+  const Model many(soup(std::vector<Triangle>(500, low))), few(soup(std::vector<Triangle>(3, high)));
+  EXPECT_EQ(count_within({many}, {few}, 2), 1500U);
+  EXPECT_EQ(count_within({few}, {many}, 2), 1500U);
+  EXPECT_EQ(count_within({many}, {few}, 1.9), 0U);
+}
+
+TEST(CountingCollector, CountsWhatBruteForceDoesInRandomScenes) {
+  Rng rng(801);
+  std::uint64_t counted = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Scene s = arbitrary_scene(rng);
+    const Model model_a(s.mesh_a), model_b(s.mesh_b);
+    const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
+    // Pairs within rounding of the limit may count or not; contacts are exact.
+    const double limit = i % 4 == 0 ? 0 : distance(a, b).upper + rng.uniform(0, 0.1) * s.size;
+    const double rounding = limit == 0 ? 0 : s.tolerance;
+    const std::uint64_t count = count_within(a, b, limit);
+    ASSERT_GE(count, brute_force_count(a, b, std::max(limit - rounding, 0.0))) << i;
+    ASSERT_LE(count, brute_force_count(a, b, limit + rounding)) << i;
+    counted += count;
+  }
+  EXPECT_GT(counted, 1000U);
+}
+
+// --- the guess ---
 
 using pair::FlatPart;
 using pair::PlacedPair;
@@ -82,28 +226,32 @@ TEST(LikelyPair, IsTheClosestWhereABallIsOverASquare) {
   }
 }
 
-TEST(LikelyPair, IsOnTheSideWhereTheOtherModelIsAndNoneWhereThatReachesBeyondThePlane) {
-  const Mesh ball_mesh = scenes::thesis_ball();
-  const Model square(scenes::thesis_square()), ball(ball_mesh);
-  const Guess below = guess({square}, {ball, {{}, {1, 2, -3}}});
-  ASSERT_TRUE(below.pair);
-  EXPECT_NEAR(below.part->normal.z, -1, 1e-6);
-  EXPECT_NEAR(below.distance, 2, 1e-12);
-  for (const double separation : {-0.001, -0.1, -0.9}) {
-    const Guess g = guess({square}, {ball, scenes::ball_over_square(ball_mesh, separation, 1)});
-    ASSERT_TRUE(g.part);
-    EXPECT_FALSE(g.pair) << separation;
-  }
-}
-
-TEST(LikelyPair, NeedsAFlatModelAtLeastAsLargeAsTheOther) {
+TEST(LikelyPair, NeedsAFlatModelAtLeastAsLargeAsTheOtherWhichIsOnOneSideOfIt) {
   const Model ball(scenes::thesis_ball()), small_sheet(flat_sheet(1)), sheet(flat_sheet(2)),
-      wave(scenes::wave_sheet(40, 40, 1));
+      wave(scenes::wave_sheet(40, 40, 1)), square(scenes::thesis_square());
   const Transform above{{}, {0, 0, 3}};
-  EXPECT_FALSE(guess({ball}, {ball, above}).part);
-  EXPECT_FALSE(guess({small_sheet}, {ball, above}).part);
-  EXPECT_FALSE(guess({wave}, {ball, above}).part);
-  EXPECT_TRUE(guess({sheet}, {small_sheet, above}).part);
+  const struct {
+    const Model &a, &b;
+    Transform pose;
+    bool has_part, has_pair;
+  } cases[] = {
+      {ball, ball, above, false, false},
+      {small_sheet, ball, above, false, false},
+      {wave, ball, above, false, false},
+      {sheet, small_sheet, above, true, true},
+      {square, ball, {{}, {1, 2, -3}}, true, true},
+      {square, ball, scenes::ball_over_square(ball.mesh(), -0.001, 1), true, false},
+      {square, ball, scenes::ball_over_square(ball.mesh(), -0.9, 1), true, false},
+  };
+  for (const auto& [a, b, pose, has_part, has_pair] : cases) {
+    SCOPED_TRACE(pose.translation.z);
+    const Guess g = guess({a}, {b, pose});
+    EXPECT_EQ(g.part.has_value(), has_part);
+    EXPECT_EQ(g.pair.has_value(), has_pair);
+  }
+  const Guess below = guess({square}, {ball, {{}, {1, 2, -3}}});
+  EXPECT_NEAR(below.part.value().normal.z, -1, 1e-6);
+  EXPECT_NEAR(below.distance, 2, 1e-12);
 }
 
 TEST(LikelyPair, IsNotLookedForOnPartsSmallerThanTheOtherModel) {
