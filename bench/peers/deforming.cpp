@@ -1,30 +1,24 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Question        What does it cost to keep the tree of a deforming mesh up to date, next to other libraries, when all
-//                 vertices move, some, or one?
+// Question        What does it cost to keep the tree of a deforming mesh up to date, next to other libraries?
 // Workload        Waving sheets of 20 000, 200 000 and 2 000 000 triangles, of which every frame moves all vertices.
-//                 The sheet of 200 000 with a distance to the bunny in every frame. Commits of 1 to all vertices of the
-//                 sheets, next to each other and anywhere.
+//                 The sheet of 200 000 with a distance to a ball in every frame.
 // Metric          Nanoseconds a triangle, moving the vertices included; milliseconds a frame; medians over rounds in
 //                 which all libraries take turns.
 // Expected shape  Ours costs a third of a ray tracer's refit, a fifth of that of FCL's boxes, and about a hundredth of
-//                 those of swept spheres and oriented boxes.
+//                 those of oriented boxes.
 // Checked         Distances of all libraries in every frame; the table counts the wrong ones.
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bench/peers/peer.h"
-#include "bench/peers/scenes.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
-#include "limber/io.h"
-#include "limber/model.h"
 #include "scenes/motions.h"
 
 namespace limber::bench {
@@ -58,27 +52,19 @@ void full_refits(std::uint32_t nx, std::uint32_t ny, int rounds, Checker& checke
   }
 }
 
-/// The pose of the bunny in a frame of the waving sheet.
-Transform bunny_pose(int frame) {
-  const double f = frame, half = 0.03 * f, s = scenes::sine(half) / std::sqrt(14.0);
-  const Vec3 place{2 + 1.2 * scenes::cosine(0.05 * f), 1.25 + 0.7 * scenes::sine(0.05 * f),
-                   0.75 + 0.15 * scenes::sine(0.11 * f)};
-  return transform_from_quaternion(place, scenes::cosine(half), s, 2 * s, 3 * s).value();
-}
-
-/// Every frame moves all vertices and asks for an exact distance of `other`, placed by pose_of(frame).
-template <typename PoseOf>
-void frames_with_queries(const scenes::Motion& motion, const Mesh& other, const PoseOf& pose_of, int frames,
-                         Checker& checker, Table& table) {
+/// Every frame moves all vertices and asks for an exact distance of a ball that goes round above the sheet.
+void frames_with_queries(std::uint32_t nx, std::uint32_t ny, int frames, Checker& checker, Table& table) {
+  const scenes::Motion motion = scenes::waving_sheet(nx, ny);
   table.line("\n### {}, {} triangles: all vertices moved, exact distance; ms\n", motion.name,
              motion.mesh.triangles().size());
   table.line(
       "| library | update | query | frame, median | p99 | times ours | wrong answers |\n|:--|--:|--:|--:|--:|--:|--:|");
-  std::vector<Contestant> contestants = deforming_peers(motion.mesh, other);
+  std::vector<Contestant> contestants = deforming_peers(motion.mesh, scenes::thesis_ball());
   std::erase_if(contestants, [](const Contestant& c) { return !c.peer->answers(Question::exact); });
   std::vector<Times> times(contestants.size());
   for (int frame = 1; frame <= frames; ++frame) {
     const std::vector<Vec3> positions = motion.positions(frame);
+    const Transform pose{{}, {2 + scenes::cosine(0.05 * frame), 1.25 + 0.7 * scenes::sine(0.05 * frame), 1.3}};
     double truth = 0;
     for (std::size_t i = 0; i < (frame > 10 ? 1 : contestants.size()); ++i) {
       const auto& [name, peer] = contestants[i];
@@ -86,7 +72,7 @@ void frames_with_queries(const scenes::Motion& motion, const Mesh& other, const 
       checker.check(peer->deform(positions), "{} cannot deform", name);
       times[i].update_us.push_back(update.us());
       const Stopwatch asking;
-      const double found = peer->ask(Question::exact, pose_of(frame));
+      const double found = peer->ask(Question::exact, pose);
       times[i].query_us.push_back(asking.us());
       if (i == 0) truth = found;
       if (std::abs(found - truth) > 1e-9) ++times[i].wrong;
@@ -109,61 +95,6 @@ void frames_with_queries(const scenes::Motion& motion, const Mesh& other, const 
                 "no other library agrees");
 }
 
-/// Commits of some vertices, neighbours or anywhere, which move a little.
-void some_vertices(std::uint32_t nx, std::uint32_t ny, int rounds, Table& table) {
-  const Mesh sheet = scenes::wave_sheet(nx, ny, 0);
-  const auto triangles = static_cast<double>(sheet.triangles().size());
-  const std::size_t vertex_count = sheet.positions().size();
-  Model model(sheet, {.rebuild_policy = RebuildPolicy::off});
-  scenes::Rng rng(0x5EED0020);
-  std::vector<double> full;
-  for (int round = 0; round < std::max(3, rounds / 10); ++round) {
-    const Stopwatch watch;
-    if (!model.move_all(sheet.positions())) return;
-    model.commit();
-    full.push_back(watch.us());
-  }
-  for (const bool anywhere : {false, true}) {
-    for (std::size_t batch = 1; batch <= vertex_count; batch = batch < vertex_count / 10 ? batch * 10 : batch * 3) {
-      std::vector<double> us;
-      for (int round = 0; round < (batch > 10000 ? std::max(3, rounds / 10) : rounds); ++round) {
-        std::vector<VertexId> ids;
-        std::vector<Vec3> positions;
-        const std::uint64_t first = rng.below(vertex_count);
-        for (std::size_t i = 0; i < batch; ++i) {
-          ids.push_back(static_cast<VertexId>((anywhere ? rng.below(vertex_count) : first + i) % vertex_count));
-          positions.push_back(sheet.positions()[ids.back()] + Vec3{0, 0, rng.uniform(-1e-3, 1e-3)});
-        }
-        const Stopwatch watch;
-        if (!model.move_vertices(ids, positions)) return;
-        model.commit();
-        us.push_back(watch.us());
-      }
-      const double whole = median(us);
-      table.line("| {} | {} | {} | {:.3g} | {:.3g} | {:.3g} |", triangles, batch, anywhere ? "anywhere" : "neighbours",
-                 whole, whole * 1e3 / static_cast<double>(batch), whole / median(full));
-    }
-  }
-}
-
-/// Two frames of a real cloth, to and fro, with the bunny beside it.
-void real_cloth(const std::filesystem::path& meshes, const Mesh& bunny, int frames, Checker& checker, Table& table) {
-  const Mesh cloth = load_mesh(meshes / "cloth_ball_92.ply").value();
-  const scenes::Motion real = scenes::morph("two frames of a real cloth, to and fro", cloth,
-                                            load_mesh(meshes / "cloth_ball_93.ply").value(), 10);
-  const Box box = Model(cloth).bounding_box();
-  const Vec3 center = 0.5 * (box.low + box.high);
-  const double size = length(box.high - box.low);
-  std::vector<Vec3> positions = normalised(bunny).positions();
-  for (Vec3& p : positions) p *= 0.2 * size;
-  const auto pose_of = [&](int frame) {
-    const double angle = 0.05 * frame;
-    return Transform{{}, center + size * Vec3{0.5 * scenes::cosine(angle), 0.5 * scenes::sine(angle), 0.3}};
-  };
-  frames_with_queries(real, Mesh::create(std::move(positions), bunny.triangles()).value(), pose_of, frames, checker,
-                      table);
-}
-
 void run(const Options& options, Checker& checker) {
   Table table(options, "deforming.md");
   const int rounds = options.quick ? 4 : 41;
@@ -174,17 +105,7 @@ void run(const Options& options, Checker& checker) {
   full_refits(100, 100, rounds, checker, table);
   full_refits(400, 250, rounds, checker, table);
   if (!options.quick) full_refits(1000, 1000, rounds / 3, checker, table);
-  if (!options.meshes.empty()) {
-    const Mesh bunny = normalised(load_mesh(options.meshes / "stanford-bunny.obj").value());
-    const int frames = options.quick ? 3 : 100;
-    frames_with_queries(scenes::waving_sheet(400, 250), bunny, bunny_pose, frames, checker, table);
-    real_cloth(options.meshes, bunny, frames, checker, table);
-  }
-  table.line("\n### Some vertices, moving them and commit\n");
-  table.line("| triangles | vertices | where | us | ns a vertex | of moving all |\n|--:|--:|:--|--:|--:|--:|");
-  some_vertices(100, 100, 10 * rounds, table);
-  some_vertices(400, 250, 10 * rounds, table);
-  if (!options.quick) some_vertices(1000, 1000, 5 * rounds, table);
+  frames_with_queries(400, 250, options.quick ? 3 : 100, checker, table);
 }
 
 }  // namespace

@@ -45,8 +45,8 @@ session.make('replay', 'track', '--a', ...frames, ...moving, ...asked);
 // Of several runs of the demonstration, the page of the least disturbed: its longest time is the shortest.
 const demos = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => {
   session.make(`demo_${i}`, 'demo', '--no-check');
-  const [{ update_us, query_us, rough_query_us }] = session.answers[`demo_${i}`];
-  return { name: `demo_${i}`, longest: Math.max(update_us.max, query_us.max, rough_query_us.max) };
+  const { rows, demo } = session.data[`demo_${i}`];
+  return { name: `demo_${i}`, longest: Math.max(...rows.update_us, ...rows.query_us, ...demo.rough.query_us) };
 });
 const demo = demos.reduce((a, b) => (a.longest < b.longest ? a : b)).name;
 

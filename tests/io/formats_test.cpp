@@ -60,18 +60,6 @@ TEST_F(Formats, every_format_gives_the_same_tetrahedron_from_disk_and_from_memor
   EXPECT_EQ(file.error().code, ErrorCode::malformed_file) << file.error().text;
 }
 
-TEST_F(Formats, nothing_is_printed) {
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  for (const auto& [name, bytes] : tetrahedron_files()) {
-    for (const std::string& some : {bytes, bytes.substr(0, bytes.size() / 2), std::string("nonsense")}) {
-      static_cast<void>(read(name, some));
-    }
-  }
-  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-}
-
 TEST_F(Formats, obj_records_without_geometry_are_passed_over) {
   expect_mesh("a.obj",
               "\xEF\xBB\xBF# byte order mark\nmtllib a.mtl\nv 0 0 0 1.0\nv 1 0 0 0.5 0.5 0.5\r\n"

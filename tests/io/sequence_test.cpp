@@ -5,7 +5,6 @@
 #include <tuple>
 
 #include "files.h"
-#include "support/real_meshes.h"
 
 namespace limber {
 namespace {
@@ -168,34 +167,6 @@ TEST_F(Sequence, later_frames_are_checked_like_the_first) {
   expect_refused(frames, two_loose_triangles("x"), ErrorCode::malformed_file);
   expect_refused(frames, "", ErrorCode::malformed_file);
   EXPECT_EQ(frames.read_positions(path("missing.obj"), 2).error().code, ErrorCode::unreadable_file);
-}
-
-namespace fs = std::filesystem;
-using testing::real_mesh;
-
-TEST(RealFiles, HaveTheirKnownNumberOfTriangles) {
-  struct Known {
-    const char* name;
-    std::size_t triangle_count;
-  };
-  for (const auto& [name, triangle_count] :
-       {Known{"stanford-bunny.obj", 69451}, Known{"armadillo.obj", 86482}, Known{"fandisk.obj", 12946},
-        Known{"spot.ply", 5856}, Known{"cow.obj", 5804}, Known{"teapot.obj", 6320}, Known{"beetle.obj", 2053},
-        Known{"cloth_ball_92.ply", 92230}, Known{"cloth_ball_93.ply", 92230}}) {
-    if (!fs::exists(real_mesh(name))) continue;  // no data
-    const MeshFile file = read_mesh_file(real_mesh(name)).value();
-    EXPECT_EQ(file.mesh.triangles().size(), triangle_count) << name;
-    EXPECT_EQ(file.face_of_triangle.back() + 1, file.face_count) << name;
-  }
-}
-
-TEST(RealSequence, cloth_frames_share_their_connectivity) {
-  const fs::path first = real_mesh("cloth_ball_92.ply"), second = real_mesh("cloth_ball_93.ply");
-  if (!fs::exists(first) || !fs::exists(second)) GTEST_SKIP() << "no data";
-  const MeshSequence frames = MeshSequence::open(first).value();
-  const Positions positions = frames.read_positions(second, 1).value();
-  ASSERT_EQ(positions.size(), frames.first().mesh.positions().size());
-  EXPECT_NE(positions, frames.first().mesh.positions());
 }
 
 }  // namespace

@@ -124,33 +124,6 @@ TEST(ContactLists, LeaveOutTrianglesThatOnlyLieBehindEachOther) {
   }
 }
 
-// FCL and Coal give one contact unless they are asked for more, trimesh at most 100,000 for a pair of meshes.
-TEST(ContactLists, AreCompleteForHundredsOfThousandsOfPairs) {
-  const std::uint32_t n = 256;
-  std::vector<Triangle> along_y, along_x;
-  const double low = -0.5, high = n - 0.5;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const double k = i;
-    along_y.push_back({{k, low, 0}, {k, high, 0}, {k, high, 1}}),
-        along_y.push_back({{k, low, 0}, {k, high, 1}, {k, low, 1}});
-    along_x.push_back({{low, k, 0}, {high, k, 0}, {high, k, 1}}),
-        along_x.push_back({{low, k, 0}, {high, k, 1}, {low, k, 1}});
-  }
-  const Model a(triangles_of(along_y)), b(triangles_of(along_x));
-  // Any two strips cross in a vertical segment, of which each strip's diagonal leaves a part to either triangle.
-  const std::size_t all = 3 * std::size_t{n} * n + n;
-  std::vector<TrianglePair> found(all);
-  const PairCount count = intersections({a}, {b}, found);
-  EXPECT_EQ(count.count, all);
-  EXPECT_TRUE(count.is_complete);
-  std::vector<std::pair<TriangleId, TriangleId>> pairs;
-  pairs.reserve(found.size());
-  for (const TrianglePair& p : found) pairs.emplace_back(p.a, p.b);
-  std::sort(pairs.begin(), pairs.end());
-  EXPECT_EQ(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  EXPECT_EQ(intersections({a}, {b}, std::span(found).first(1)).count, all);
-}
-
 // Jolt #1016: a vertex of a soft body collides with one body at most.
 TEST(ContactLists, HaveOneVertexWithAsManyFacesAsAreNear) {
   std::vector<Triangle> walls;

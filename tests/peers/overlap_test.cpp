@@ -93,37 +93,7 @@ TEST(Overlap, HasADepthForEachPairOfTrianglesThatPartsThem) {
 
 // FCL #503: two cubes that share a face get depths of the size of the cubes.
 TEST(Overlap, OfCubesThatShareAFaceIsNoDeeperThanRounding) {
-  const Mesh left =
-      Mesh::create({{-2, -1, 0}, {-2, -1, 2}, {-2, 1, 0}, {-2, 1, 2}, {0, -1, 0}, {0, -1, 2}, {0, 1, 0}, {0, 1, 2}},
-                   {{1, 2, 0},
-                    {3, 6, 2},
-                    {7, 4, 6},
-                    {5, 0, 4},
-                    {6, 0, 2},
-                    {3, 5, 7},
-                    {1, 3, 2},
-                    {3, 7, 6},
-                    {7, 5, 4},
-                    {5, 1, 0},
-                    {6, 4, 0},
-                    {3, 1, 5}})
-          .value();
-  const Mesh right =
-      Mesh::create({{0, -1, 0}, {0, -1, 2}, {0, 1, 0}, {0, 1, 2}, {2, 1, 2}, {2, -1, 2}, {2, -1, 0}, {2, 1, 0}},
-                   {{4, 2, 3},
-                    {7, 0, 2},
-                    {6, 4, 5},
-                    {6, 1, 0},
-                    {5, 3, 1},
-                    {3, 0, 1},
-                    {4, 7, 2},
-                    {7, 6, 0},
-                    {6, 7, 4},
-                    {6, 5, 1},
-                    {5, 4, 3},
-                    {3, 2, 0}})
-          .value();
-  const Model a(left), b(right);
+  const Model a(box({-2, -1, 0}, {0, 1, 2})), b(box({0, -1, 0}, {2, 1, 2}));
   EXPECT_EQ(agreed_distance({a}, {b}, 0), 0);
   for (const Contact& c : all_contacts({a}, {b}, 0)) {
     EXPECT_LE(c.depth, 0x1p-45);

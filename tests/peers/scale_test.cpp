@@ -25,25 +25,6 @@ TEST(ScaleAndPlace, DistanceOfBallsIsRightHoweverFineTheyAre) {
   }
 }
 
-// three-mesh-bvh #91: a farther point of a terrain is chosen, because nodes are culled too eagerly.
-TEST(ScaleAndPlace, DistanceToATerrainIsThatOfBruteForceFromEverywhere) {
-  scenes::Rng rng(46);
-  const Mesh flat = scenes::grid(24, 24, -1.2, -1.2, 0.1, 0.1);
-  std::vector<Vec3> positions = flat.positions();
-  for (Vec3& p : positions) p.z = 0.4 * rng.uniform();
-  const Model terrain(Mesh::create(std::move(positions), flat.triangles()).value());
-  const Model target(stretched(scenes::ball(8, 5), {0.1, 0.2, 0.1}));
-  for (int i = 0; i < 25; ++i) {
-    const Transform pose{scenes::random_rotation(rng), {rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.2, 1)}};
-    agreed_distance({terrain}, {target, pose}, 1e-15);
-  }
-  for (int i = 0; i < 300; ++i) {
-    const Vec3 p = random_point(rng, 1.5);
-    EXPECT_EQ(closest_point({terrain}, p).closest->distance,
-              reference::closest_point({terrain.mesh()}, p).closest->distance);
-  }
-}
-
 // svenstaro/bvh #159, toolbox-rs #580: the shape with the nearest box, or corner of a box, is taken for the nearest
 // shape. Unity hair #98: a point inside a box counts as far from it.
 TEST(ScaleAndPlace, NearestTriangleIsNotTheOneWithTheNearestBox) {
@@ -150,20 +131,6 @@ TEST(ScaleAndPlace, EdgesThatAreNearlyParallelOrCollinearKeepTheirDistance) {
     std::vector<EdgeEdgePair> pair(1);
     ASSERT_EQ(element_pairs({a}, {b}, 5, {}, pair).edge_edge, 1U);
     EXPECT_NEAR(pair[0].distance, found.distance, 0x1p-47);
-  }
-}
-
-// IPC Toolkit PR #232: the normal of nearly parallel edges is noise, and cuts off motion along it.
-TEST(ScaleAndPlace, NormalsOfNearlyParallelEdgesPointAcrossTheGap) {
-  for (int i = 0; i <= 300; ++i) {
-    const double bend = i == 0 ? 0 : std::pow(10.0, -0.06 * i), gap = 0.01;
-    // Two ridges of roofs, one upside down above the other.
-    const Triangle below{{-1, 0, 0}, {1, 0, 0}, {0, 0.1, -1}};
-    const Triangle above{{-1, -bend, gap}, {1, bend, gap}, {0, 0.1, 1}};
-    const TriangleContact found = contact(below, above);
-    ASSERT_NEAR(found.distance, gap, 1e-15);
-    EXPECT_NEAR(found.normal.z, 1, 1e-12) << i;
-    EXPECT_LE(std::hypot(found.normal.x, found.normal.y), 0x1p-24 * std::sqrt(2 / gap)) << i;
   }
 }
 

@@ -36,37 +36,6 @@ const std::vector<ModelOptions> all_options{
     ModelOptions::real_time(50),
 };
 
-// python-fcl #45: a mesh can only be replaced, not updated. three-mesh-bvh #879: the nodes that a vertex belongs to are
-// unknown. EBGeometry #116, #117: there is no update at all.
-TEST(Updates, OfSomeVerticesLeaveAModelThatAnswersLikeANewOne) {
-  const Mesh rest = scenes::ring(20, 10, 0.3);
-  const Model ball(scenes::ball(8, 6));
-  for (const ModelOptions& options : all_options) {
-    scenes::Rng rng(45);
-    Model model(rest, options);
-    for (int step = 0; step < 20; ++step) {
-      std::vector<VertexId> ids;
-      std::vector<Vec3> places;
-      for (std::uint64_t k = 1 + rng.below(step % 4 == 0 ? 60 : 3); k > 0; --k) {
-        ids.push_back(static_cast<VertexId>(rng.below(rest.positions().size())));
-        places.push_back(model.mesh().positions()[ids.back()] + (step % 5 == 0 ? 1.0 : 0.05) * random_point(rng, 1));
-      }
-      model.move_vertices(ids, places).value();
-      model.commit();
-      expect_like_new(model, {ball, random_pose(rng, 2)});
-    }
-    // Single vertices, in and out by every amount: bounds above them stay as they are, or change on some levels.
-    for (int step = 0; step < 300; ++step) {
-      const std::vector<VertexId> one{static_cast<VertexId>(rng.below(rest.positions().size()))};
-      const Vec3 home = rest.positions()[one[0]];
-      const std::vector<Vec3> place{home + std::pow(10.0, rng.uniform(-6, 0)) * random_point(rng, 1)};
-      model.move_vertices(one, place).value();
-      model.commit();
-      ASSERT_TRUE(static_cast<bool>(model.validate())) << step;
-    }
-  }
-}
-
 // Newton PR #3828, #3846: contacts are sought in a tree of an earlier pose: layers of cloth that lie apart at rest and
 // were moved together have none. Here the question is refused until the tree is right.
 TEST(Updates, AreNeverForgottenByAQuery) {
@@ -119,26 +88,6 @@ TEST(Updates, SurviveJumpsAndAreAsGoodAsNewAfterARebuild) {
     for (int i = 0; i < 5; ++i) {
       const Placed there{ball, {scenes::random_rotation(rng), {0.2 * i, 0.1, 0.5}}};
       EXPECT_EQ(distance({cloth}, there).stats.node_tests, distance({fresh}, there).stats.node_tests);
-    }
-  }
-}
-
-// Warp PR #1507, #1506, #860, tinybvh PR #122: a refit of a tree with one leaf reads beyond it, or crashes.
-TEST(Updates, WorkInTreesOfOneLeafAndAFewMore) {
-  const Model probe(box({0.1, 0.1, 0.1}));
-  for (std::uint32_t count = 1; count <= 18; ++count) {
-    for (const ModelOptions& options : all_options) {
-      scenes::Rng rng(count);
-      Model model(scenes::random_soup(rng, count, 0.5), options);
-      for (int step = 0; step < 4; ++step) {
-        const std::vector<VertexId> one{static_cast<VertexId>(rng.below(3 * count))};
-        const std::vector<Vec3> place{random_point(rng, 3)};
-        model.move_vertices(one, place).value();
-        model.commit();
-        expect_like_new(model, {probe, at(0.3, 0.2, 0.1)});
-        deform(model, Mesh(model.mesh()), [](const Vec3& p) { return 1.5 * p + Vec3{0.1, 0, 0}; });
-        expect_like_new(model, {probe, at(1.3, 0.2, 0.1)});
-      }
     }
   }
 }

@@ -17,26 +17,23 @@ void expect_near(const Vec3& found, const Vec3& truth, double tolerance) {
   EXPECT_LE(length(found - truth), tolerance) << found.x << ' ' << found.y << ' ' << found.z;
 }
 
-// FCL #127, #227: a ball of radius 1 and a box; the distance is right, the point on the box is not.
-TEST(WitnessPoints, OfABallAndABoxAreTheOnesBetweenThem) {
-  const Model ball(scenes::ball(32, 16)), brick(box({5, 1, 5}));
-  const Placed a{ball}, b{brick, at(0, 5, 3)};
-  EXPECT_NEAR(agreed_distance(a, b, 1e-14), 3, 1e-15);
-  const Witness w = distance(a, b).witness.value(), swapped = distance(b, a).witness.value();
-  expect_near(w.point_a, {0, 1, 0}, 1e-14);
-  expect_near(w.point_b, {0, 4, 0}, 1e-14);
-  expect_near(swapped.point_a, {0, 4, 0}, 1e-14);
-  expect_near(swapped.point_b, {0, 1, 0}, 1e-14);
-}
-
-// FCL #275: balls of radius 20 and 10 at a distance of 10; the distance found is 25, the points are elsewhere.
-TEST(WitnessPoints, OfTwoBallsLieOnTheLineOfTheirCenters) {
-  const Model big(stretched(scenes::ball(32, 16), {20, 20, 20})), small(stretched(scenes::ball(32, 16), {10, 10, 10}));
-  const Placed a{big}, b{small, at(0, 40, 0)};
-  EXPECT_NEAR(agreed_distance(a, b, 1e-13), 10, 1e-13);
-  const Witness w = distance(a, b).witness.value();
-  expect_near(w.point_a, {0, 20, 0}, 1e-13);
-  expect_near(w.point_b, {0, 30, 0}, 1e-13);
+// FCL #127, #227: a ball of radius 1 and a box; the distance is right, the point on the box is not. FCL #275: balls of
+// radius 20 and 10 at a distance of 10; the distance found is 25, the points are elsewhere.
+TEST(WitnessPoints, AreTheOnesBetweenTheBodies) {
+  const Mesh unit = scenes::ball(32, 16);
+  const Model ball(unit), brick(box({5, 1, 5})), big(stretched(unit, {20, 20, 20})),
+      small(stretched(unit, {10, 10, 10}));
+  struct Case {
+    Placed a, b;
+    Vec3 on_a, on_b;
+  };
+  for (const auto& [a, b, on_a, on_b] : {Case{{ball}, {brick, at(0, 5, 3)}, {0, 1, 0}, {0, 4, 0}},
+                                         Case{{big}, {small, at(0, 40, 0)}, {0, 20, 0}, {0, 30, 0}}}) {
+    EXPECT_NEAR(agreed_distance(a, b, 1e-13), length(on_b - on_a), 1e-13);
+    const Witness w = distance(a, b).witness.value(), swapped = distance(b, a).witness.value();
+    expect_near(w.point_a, on_a, 1e-13), expect_near(w.point_b, on_b, 1e-13);
+    expect_near(swapped.point_a, on_b, 1e-13), expect_near(swapped.point_b, on_a, 1e-13);
+  }
 }
 
 // FCL #525: the points of a robot and an octree are both on the octree. FCL PR #427: there are none for an octree and a

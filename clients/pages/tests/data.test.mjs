@@ -22,7 +22,7 @@ before(() => {
   const poses = sheets.map((_, f) => `${f / 50},0.5,${1.6 + f / 70},1,0,${f / 100},0\n`).join('');
   const moving = ['--b', 'scene:ball', '--poses-b', session.store('poses.csv', poses)];
   session.make('far', 'distance', sheets[0], 'scene:ball', '--pose-a', pose, '--pose-b', '40,0,0,1,0,0,0');
-  session.make('crossing', 'distance', 'scene:soup:1', 'scene:soup:2', '--pose-b', pose);
+  session.make('crossing', 'distance', sheets[0], sheets[9], '--pose-b', pose);
   const rows = [
     `${box},scene:ball,3,1,1`,
     `${box},scene:ball,1,1,1`,
@@ -106,7 +106,7 @@ test('all frames are off by at most half a step, in any order', () => {
 });
 
 test('triangles that intersect are all marked', () => {
-  const words = ['contacts', 'scene:soup:1', 'scene:soup:2', '--pose-b', pose, '--margin', '0'];
+  const words = ['contacts', session.file('sheet0.obj'), session.file('sheet9.obj'), '--pose-b', pose, '--margin', '0'];
   const [{ pairs }] = session.ask(...words, '--max-count', '100000');
   assert.ok(pairs.length > 10);
   assert.equal(data.crossing.pair.intersections, pairs.length);

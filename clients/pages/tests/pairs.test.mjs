@@ -24,7 +24,7 @@ before(async () => {
     ['apart', box, plate],
     ['close', box, plate, '--min-clearance', '0.5'],
     ['kept', box, plate, '--min-clearance', '0.1'],
-    ['interval', box, 'scene:soup:1', '--pose-b', '5,3,3,1,0,0,0', '--relative-error', '0.5'],
+    ['interval', box, 'scene:ball', '--pose-b', '5,3,3,1,0.2,0.3,0', '--relative-error', '0.5'],
     ['collision', box, 'scene:ball'],
     ['inside', room, 'scene:ball', '--min-clearance', '0.1'],
     ['flush', box, box, '--pose-b', '2,0.25,0,1,0,0,0'],
@@ -246,6 +246,12 @@ test('a study without pairs says so, and accepted pairs are counted apart', asyn
     assert.deepEqual(await textsOf(page, '#rows-kinds button'), ['All 3', 'Hard clash 2', 'Accepted 1']);
   });
 });
+
+test('a page names its version and its time', () =>
+  session.show('close', async (page) => {
+    const { version, made_at } = data.close;
+    assert.equal(await page.textContent('#version'), `limber ${version} on ${made_at}`);
+  }));
 
 test('on paper, pages are light, true to scale, and without what nobody can press', () =>
   session.show('poses', { scheme: 'dark' }, async (page) => {

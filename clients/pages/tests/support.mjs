@@ -20,13 +20,15 @@ export async function module(path) {
   return import(`data:text/javascript;base64,${Buffer.from(bundle.outputFiles[0].contents).toString('base64')}`);
 }
 
-/** The program's answer, as JSON lines. */
+/** The program's answer, as JSON lines; the demonstration has none. */
 function limber(...words) {
   const program = process.env.LIMBER_PROGRAM;
   if (program === undefined) throw new Error('LIMBER_PROGRAM does not name the program');
-  const { status, stdout, stderr } = spawnSync(program, words, { encoding: 'utf8', maxBuffer: 1 << 28 });
+  const isDemo = words[0] === 'demo';
+  const options = { encoding: 'utf8', maxBuffer: 1 << 28 };
+  const { status, stdout, stderr } = spawnSync(program, isDemo ? words : [...words, '--json'], options);
   if (status !== 0 && status !== 3) throw new Error(`limber ${words.join(' ')}: ${stderr}`);
-  return stdout
+  return (isDemo ? '' : stdout)
     .split('\n')
     .filter((line) => line !== '')
     .map((line) => JSON.parse(line));
@@ -57,7 +59,7 @@ export class Session {
 
   /** Keeps what the program answers, and the data of its page, which it puts into the page that the sources give. */
   make(name, ...words) {
-    this.answers[name] = limber(...words, '--json', '--report', this.page(name));
+    this.answers[name] = limber(...words, '--report', this.page(name));
     const written = readFileSync(this.page(name), 'utf8');
     const begin = written.indexOf(start) + start.length;
     const data = written.slice(begin, written.indexOf('</script>', begin));
@@ -69,7 +71,7 @@ export class Session {
   }
 
   /** What the program answers. */
-  ask = (...words) => limber(...words, '--json');
+  ask = (...words) => limber(...words);
 
   /** Opens a page for a while; options may be left out. */
   async show(name, ...words) {

@@ -36,10 +36,6 @@ void add_out(CLI::App& command, std::string& target, const std::string& where) {
   add_file(command, "--out", target, "FILE", where + "where the answer is written, - for standard output");
 }
 
-CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description) {
-  return command.add_flag("--json", target, description);
-}
-
 CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told) {
   return command.add_flag("--exit-code", target,
                           fmt::format("exit with {} instead of 0 when {}", static_cast<int>(ExitCode::found), told));
@@ -66,5 +62,12 @@ void add_distance_options(CLI::App& command, DistanceOptions& target) {
              "stop with beyond_limit when the models are farther apart than this length")
       ->type_name("LENGTH");
 }
+
+void add_motion_margin(CLI::App& command, ModelOptions& target) {
+  add_number(command, "--motion-margin", target.motion_margin, not_negative,
+             "how far a vertex may move before its bounds are refitted");
+}
+
+std::string words_of(const ModelOptions& options) { return fmt::format("motion margin {}", options.motion_margin); }
 
 }  // namespace limber::program

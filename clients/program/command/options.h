@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "limber/distance.h"
+#include "limber/model.h"
 
 /// Options whose errors are all reported in the same form. Targets hold the defaults and outlive the parsing.
 namespace limber::program {
@@ -53,35 +54,12 @@ CLI::Option* add_count(CLI::App& command, const std::string& name, Count& target
   return option;
 }
 
-/// One of several words.
-template <typename T>
-CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
-                        const std::vector<std::pair<std::string, T>>& choices, const std::string& description) {
-  std::string words, default_word;
-  for (const auto& [word, value] : choices) {
-    words += (words.empty() ? "" : "|") + word;
-    if (value == target) default_word = word;
-  }
-  const auto read = [&target, choices, words, name](const std::string& text) {
-    for (const auto& [word, value] : choices) {
-      if (text != word) continue;
-      target = value;
-      return;
-    }
-    throw CLI::ValidationError(name, "must be one of " + words + ", not '" + text + "'");
-  };
-  return command.add_option_function<std::string>(name, read, description)->type_name(words)->default_str(default_word);
-}
-
 /// A file of a kind, such as "CSV".
 CLI::Option* add_file(CLI::App& command, const std::string& name, std::string& target, const std::string& kind,
                       const std::string& description);
 
 /// `--out`, of a verb whose answer is a table; "-" is standard output.
 void add_out(CLI::App& command, std::string& target, const std::string& where = {});
-
-/// `--json`.
-CLI::Option* add_json(CLI::App& command, bool& target, const std::string& description);
 
 /// `--exit-code`, with what it tells: "the models collide".
 CLI::Option* add_exit_code(CLI::App& command, bool& target, const std::string& told);
@@ -94,5 +72,9 @@ void add_min_clearance(CLI::App& command, std::optional<double>& target, const s
 
 /// `--relative-error`, `--absolute-error`, `--max-distance`.
 void add_distance_options(CLI::App& command, DistanceOptions& target);
+
+/// `--motion-margin`.
+void add_motion_margin(CLI::App& command, ModelOptions& target);
+std::string words_of(const ModelOptions& options);
 
 }  // namespace limber::program

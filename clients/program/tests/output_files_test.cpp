@@ -85,7 +85,6 @@ class ProgramOutputFiles : public testing::Test {
 TEST_F(ProgramOutputFiles, OfEveryVerbAreNoInputs) {
   expect_kept(of_pairs_, {pairs_, gltf_, buffer_, frame_});
   expect_kept(of_distance_, {ball_, gltf_, buffer_});
-  expect_kept("distance scene:ball " + gltf_ + " --vertices-a ", {buffer_});
   expect_kept(of_contacts_, {ball_, gltf_, buffer_});
   expect_kept(of_self_, {gltf_, buffer_});
   expect_kept(of_points_, {gltf_, buffer_, points_});
@@ -173,8 +172,6 @@ TEST_F(ProgramOutputFiles, AreNoBuffersOfLaterFrames) {
   const Outcome outcome = run(line + " --out " + folder_.path("later.csv"));
   EXPECT_NE(outcome.err.find("later.csv is one of the inputs"), std::string::npos) << outcome.err;
   EXPECT_TRUE(files() == before);
-  answer_to(line + " --report " + folder_.path("page"));
-  EXPECT_EQ(count_of("\"sha256\"", text_of(folder_.path("page"))), 5U);
 }
 
 TEST_F(ProgramOutputFiles, KeepLinksModesPipesAndDescriptors) {
@@ -228,7 +225,6 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
   std::mt19937 random(1);
   for (const std::string& line :
        {"points " + ball_ + ' ' + points + " --out " + out, "distance --pairs " + pairs_ + both,
-        "distance " + ball_ + " scene:square --vertices-a " + out + " --report " + page,
         "contacts scene:ball " + ball_ + " --margin 1 --out " + out,
         "track --loop 99 --a scene:ball --b " + ball_ + " --poses-a " + poses_ + both}) {
     ASSERT_EQ(run(line).exit_code, 0) << line;

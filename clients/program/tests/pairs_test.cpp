@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "contact_meshes.h"
 #include "formats/scenes.h"
@@ -84,24 +85,19 @@ TEST(ProgramPairs, LoadsEachFileOnce) {
 
 TEST(ProgramPairs, MarksRowsThatAreTooClose) {
   const Folder folder;
-  const std::string start = "distance --pairs ", clear = "model_a,model_b,pose_a_tz\nscene:ball,scene:square,9\n";
-  const std::string one = start + folder.store("clear.csv", clear);
-  const std::string all =
-      start + folder.store("pairs.csv", clear + "scene:ball,scene:square,3\nscene:ball,scene:square,0\n");
-  const auto expect_marks = [&](const std::string& options, const std::string& marks, int exit_code) {
-    const Outcome outcome = run(all + options);
+  const std::string line = "distance --pairs " + folder.store("pairs.csv",
+                                                              "model_a,model_b,pose_a_tz\nscene:ball,scene:square,9\n"
+                                                              "scene:ball,scene:square,3\nscene:ball,scene:square,0\n");
+  for (const auto& [options, marks, exit_code] : {std::tuple{"", "   ", 0},
+                                                  {" --min-clearance 2.5", "false true true ", 3},
+                                                  {" --min-clearance 2 --max-distance 2", "false false true ", 3},
+                                                  {" --max-distance 1 --exit-code", "   ", 3}}) {
+    const Outcome outcome = run(line + options);
     std::string found;
     for (const Row& row : table_of(outcome.out)) found += row.at("too_close") + ' ';
     EXPECT_EQ(found, marks) << options;
     EXPECT_EQ(outcome.exit_code, exit_code) << options;
-  };
-  expect_marks("", "   ", 0);
-  expect_marks(" --min-clearance 2.5", "false true true ", 3);
-  expect_marks(" --min-clearance 2", "false false true ", 3);
-  expect_marks(" --min-clearance 2 --max-distance 2", "false false true ", 3);
-  EXPECT_EQ(run(all + " --max-distance 1 --exit-code --json").exit_code, 3);
-  EXPECT_EQ(run(one + " --min-clearance 2.5").exit_code, 0);
-  EXPECT_EQ(run(one + " --max-distance 1 --exit-code").exit_code, 0);
+  }
 }
 
 TEST(ProgramPairs, BeyondTheLimitCellsAreEmpty) {
@@ -116,18 +112,6 @@ TEST(ProgramPairs, BeyondTheLimitCellsAreEmpty) {
     EXPECT_EQ(rows[0].at(column), "") << column;
     EXPECT_NE(rows[1].at(column), "") << column;
   }
-}
-
-TEST(ProgramPairs, WritesAFileOrStandardOutput) {
-  const Folder folder;
-  const std::string line =
-      "distance --pairs " + folder.store("pairs.csv", "model_a,model_b\nscene:ball,scene:square\n");
-  const std::string out = folder.store("answers.csv", "from before");
-  EXPECT_EQ(answer_to(line + " --out " + out), "");
-  const std::vector<Row> rows = table_of(text_of(out));
-  ASSERT_EQ(rows.size(), 1U);
-  EXPECT_EQ(rows[0].at("status"), "collision");
-  EXPECT_EQ(lines_of(answer_to(line + " --out -")).size(), 2U);
 }
 
 }  // namespace

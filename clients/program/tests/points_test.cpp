@@ -75,18 +75,5 @@ TEST(ProgramPoints, ReadsColumnsInAnyOrderOrNone) {
   EXPECT_EQ(answer_to("points scene:ball " + named), answer);
 }
 
-TEST(ProgramPoints, WritesManyPointsInOrderIntoAFile) {
-  const Folder folder;
-  const std::vector<Vec3> points = some_points(10'000);
-  const std::string file = folder.store("points.csv", csv_of(points, "")), out = folder.path("out.csv");
-  EXPECT_EQ(answer_to("points scene:ball " + file + " --out " + out), "");
-  const std::vector<Row> rows = table_of(text_of(out));
-  ASSERT_EQ(rows.size(), points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    ASSERT_EQ(rows[i].at("row"), std::to_string(i));
-    ASSERT_EQ(number(rows[i].at("z")), points[i].z) << i;
-  }
-}
-
 }  // namespace
 }  // namespace limber::program_tests

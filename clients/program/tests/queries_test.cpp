@@ -40,12 +40,11 @@ TEST(ProgramDistance, AnswersAreThoseOfTheLibrary) {
 
 TEST(ProgramDistance, LimitsAreHeld) {
   const std::string line = "distance" + raised_ball + "0,0,3,1,0,0,0";
-  for (const auto& [options, part] :
-       {std::pair{" --max-distance 1.5", "status    beyond_limit\nlower     1.5\nclash     surfaces apart\ntests"},
-        {" --max-distance 2.5", "status    exact"},
-        {" --max-distance inf", "status    exact"},
-        {" --absolute-error 0.5", "upper"}}) {
-    EXPECT_NE(answer_to(line + options).find(part), std::string::npos) << options;
+  EXPECT_NE(answer_to(line + " --max-distance 1.5")
+                .find("status    beyond_limit\nlower     1.5\nclash     surfaces apart\ntests"),
+            std::string::npos);
+  for (const std::string limit : {"2.5", "inf"}) {
+    EXPECT_EQ(json_of(line + " --max-distance " + limit)["status"], "exact") << limit;
   }
   const nlohmann::json json = json_of(line + " --max-distance 1.5");
   for (const char* key : {"upper", "witness"}) EXPECT_TRUE(json[key].is_null()) << key;
@@ -72,13 +71,6 @@ TEST(ProgramDistance, WritesTheFewestDigitsThatReadBackAsTheSameNumber) {
   for (const double coordinate : json["witness"]["point_b"].get<std::vector<double>>()) {
     EXPECT_NE(answer.find(shortest(coordinate)), std::string::npos) << coordinate << " in " << answer;
   }
-}
-
-TEST(ProgramDistance, WitnessesAreInTheWorldFrame) {
-  const nlohmann::json json = json_of("distance" + raised_ball + "100,0,12.5,1,0,0,0 --pose-b 100,0,10,1,0,0,0");
-  EXPECT_EQ(json["upper"], 1.5);
-  EXPECT_EQ(point_of(json["witness"]["point_a"]), (Vec3{100, 0, 11.5}));
-  EXPECT_EQ(point_of(json["witness"]["point_b"]), (Vec3{100, 0, 10}));
 }
 
 TEST(ProgramDistance, QuaternionsMayHaveAnyLength) {
@@ -146,20 +138,9 @@ TEST(ProgramCollide, SaysYesOrNoAndWhere) {
   EXPECT_EQ(yes["is_yes"], true);
   EXPECT_NEAR(point_of(yes["witness"]["point_a"]).z, 4.5, 1e-12);
   EXPECT_EQ(yes["witness"]["point_a"], yes["witness"]["point_b"]);
-  const nlohmann::json no = json_of("collide" + raised_ball + "0,0,1.001,1,0,0,0");
-  EXPECT_EQ(no["is_yes"], false);
-  EXPECT_TRUE(no["witness"].is_null());
+  EXPECT_TRUE(json_of("collide" + raised_ball + "0,0,1.001,1,0,0,0")["witness"].is_null());
   EXPECT_EQ(answer_to("collide" + raised_ball + "0,0,1.001,1,0,0,0").find("collision no"), 0U);
   EXPECT_EQ(json_of("collide" + raised_ball + "0,0,1,1,0,0,0")["is_yes"], true);  // they touch
-}
-
-TEST(ProgramCollide, SaysHowVolumesLieWhereItIsAsked) {
-  const std::string two_balls = "collide scene:ball scene:ball --solids --pose-b ";
-  for (const auto& [x, solids] : {std::pair{"5", "apart"}, {"0.5", "overlapping"}, {"0", "equal"}}) {
-    EXPECT_EQ(json_of(two_balls + x + ",0,0,1,0,0,0")["solids"], solids);
-  }
-  EXPECT_NE(answer_to(two_balls + "0,0,0,1,0,0,0").find("\nsolids    equal\n"), std::string::npos);
-  expect_refused("collide scene:ball scene:square --solids", "--solids: scene:square: the surface is not closed");
 }
 
 TEST(ProgramWithin, IsClosed) {

@@ -11,7 +11,6 @@
 #include <map>
 #include <numbers>
 
-#include "page_decoding.h"
 #include "run_program.h"
 
 namespace limber::program_tests {

@@ -14,7 +14,7 @@
 #include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
-#include "formats/csv_inputs.h"
+#include "formats/csv.h"
 #include "limber/points.h"
 
 namespace limber::program {
@@ -104,12 +104,10 @@ ExitCode run(const PointsArguments& arguments) {
   const RigidModel model(load_mesh_argument(arguments.model));
   const PointAsker asker(model, arguments);
   OutputFile out("--out", arguments.out);
-  ProgressBar bar(points.size(), "points");
   const AnswerColumns columns = columns_of(arguments.is_signed, arguments.has_winding_number);
   if (!arguments.json) out.write(columns.header());
   const std::size_t at_once = arguments.has_winding_number ? 64 : 4096;  // some 0.1 s of work, or 2 ms
   for (std::size_t begin = 0; begin < points.size(); begin += at_once) {
-    bar.draw(begin);
     const auto some = std::span(points).subspan(begin, std::min(at_once, points.size() - begin));
     const std::vector<PointAnswer> answers = asker.ask(some);
     std::string text;
@@ -118,10 +116,8 @@ ExitCode run(const PointsArguments& arguments) {
       const Json row = row_of(begin + i, some[i], answers[i], closest ? model.face_of(closest->triangle) : 0);
       text += arguments.json ? to_line(row) : columns.line(row);
     }
-    if (out.is_terminal()) bar.clear();
     out.write_rows(text);
   }
-  bar.clear();
   return ExitCode::answered;
 }
 
@@ -166,7 +162,7 @@ Verb add_points(CLI::App& app) {
              "closest points farther away are not told, which is faster")
       ->type_name("LENGTH");
   add_out(command, arguments->out);
-  add_json(command, arguments->json, "answer with a JSON object for each point instead of CSV");
+  command.add_flag("--json", arguments->json, "answer with a JSON object for each point instead of CSV");
   command.footer(points_help + columns_of(true, true).help() + ", the last two where they are asked for.");
   return {&command, [arguments] { return run(*arguments); }};
 }
