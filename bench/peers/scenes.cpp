@@ -14,7 +14,6 @@
 #include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
-#include "scenes/planning.h"
 #include "scenes/scenes.h"
 #include "scenes/surfaces.h"
 

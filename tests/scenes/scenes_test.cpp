@@ -15,7 +15,6 @@
 
 #include "reference/reference.h"
 #include "scenes/motions.h"
-#include "scenes/planning.h"
 #include "scenes/surfaces.h"
 
 namespace limber::scenes {

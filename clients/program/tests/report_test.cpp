@@ -92,10 +92,11 @@ TEST(ProgramReport, IsRefusedWhereItHasNoPlace) {
   const Folder folder;
   const std::string page = " --report " + folder.path("r.html"), frame = folder.store("0.obj", wave_sheet(2, 2, 0));
   const std::string track = "track --b scene:ball --a ", waving = track + frame + ' ' + frame;
-  expect_all_refused("", {{"distance scene:ball scene:ball --unit mm", "--report"},
-                          {"distance scene:ball scene:ball --title x", "--report"},
-                          {waving + " --loop 60000" + page, "100000"},
-                          {waving + " --max-report-mb 5", "--report"}});
+  expect_all_refused(
+      "", {{"distance scene:ball scene:ball --unit mm", "--report"},
+           {"distance scene:ball scene:ball --title x", "--report"},
+           {waving + " --loop 60000" + page, "100000"},
+           {waving + " --max-report-mb 5", "--report"}});
   const std::string near = folder.store("near.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const std::string far = folder.store("far.obj", "v 0 0 1e40\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const Outcome outcome = run(track + near + ' ' + far + page);
