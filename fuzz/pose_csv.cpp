@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Bytes as one pose and as a list of poses: the result is rigid transforms or an error of one line, whatever the text.
-#include "formats/csv_inputs.h"
+#include "formats/csv.h"
 
 #include <unistd.h>
 

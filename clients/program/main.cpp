@@ -4,15 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -52,7 +49,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 
  private:
-  /// What follows the name of an option: type, default, which others it goes with.
+  /// What follows the name of an option: type, default.
   static std::string details(const CLI::Option* option) {
     std::string text;
     if (option->get_type_size() != 0) {
@@ -61,7 +58,7 @@ class HelpFormatter : public CLI::Formatter {
       if (option->get_expected_max() > 1) text += " ...";
       if (option->get_required()) text += " REQUIRED";
     }
-    return text + others(" Needs:", option->get_needs()) + others(" Excludes:", option->get_excludes());
+    return text;
   }
 
   static std::string entry(const std::string& name, const std::string& description) {
@@ -72,12 +69,6 @@ class HelpFormatter : public CLI::Formatter {
       text += c == '\n' ? next_line : std::string(1, c);
     }
     return text + '\n';
-  }
-
-  static std::string others(std::string text, const std::set<CLI::Option*>& options) {
-    if (options.empty()) return {};
-    for (const CLI::Option* option : options) text += ' ' + option->get_name();
-    return text;
   }
 };
 
@@ -142,38 +133,23 @@ std::string help_about(const CLI::App& app, const std::string& word) {
   throw BadInput(no_such_verb(app, word));
 }
 
-/// Help as lines of man(7), which stay as they are. A line that ends with a colon starts a section if `has_sections`.
-std::string in_manual(const std::string& help, bool has_sections) {
-  std::string page = ".nf\n.in 0\n";
-  std::istringstream lines(help);
-  for (std::string line; std::getline(lines, line);) {
-    if (has_sections && !line.starts_with(' ') && line.ends_with(':')) {
-      line.pop_back();
-      std::transform(line.begin(), line.end(), line.begin(), [](unsigned char c) { return std::toupper(c); });
-      page += ".SH " + line + "\n.nf\n.in 0\n";
-      continue;
-    }
-    if (line.starts_with('.') || line.starts_with('\'')) page += "\\&";
-    for (const char c : line) page += c == '\\' ? std::string("\\(rs") : c == '-' ? "\\-" : std::string(1, c);
-    page += '\n';
-  }
-  return page;
-}
-
-/// All help of the program and its verbs as a manual page.
+/// All help of the program and its verbs as a manual page: lines of man(7), which stay as they are.
 std::string manual_page(const CLI::App& app) {
-  std::string usages, verbs;
-  for (const CLI::App* verb : app.get_subcommands({})) {
-    const std::string help = help_of(app, *verb);
-    constexpr std::string_view mark = "Usage: ";
-    const std::size_t begin = help.find(mark) + mark.size();
-    usages += ".br\n" + help.substr(begin, help.find('\n', begin) - begin) + '\n';
-    verbs += fmt::format(".SS {}\n{}", verb->get_name(), in_manual(help, false));
-  }
-  return fmt::format(
-      ".TH LIMBER 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\nlimber \\- {}\n.SH SYNOPSIS\nlimber [OPTIONS] VERB\n{}"
-      ".SH DESCRIPTION\n{}.SH HELP OF EACH VERB\n{}",
-      version_line, app.get_description(), usages, in_manual(help_of(app, app), true), verbs);
+  std::string page = fmt::format(
+      ".TH LIMBER 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\nlimber \\- {}\n.SH SYNOPSIS\nlimber [OPTIONS] VERB\n",
+      version_line, app.get_description());
+  const auto add_section = [&](const std::string& heading, const CLI::App& command) {
+    page += heading + "\n.nf\n.in 0\n";
+    char before = '\n';
+    for (const char c : help_of(app, command)) {
+      if (before == '\n' && (c == '.' || c == '\'')) page += "\\&";
+      page += c == '\\' ? std::string("\\(rs") : c == '-' ? "\\-" : std::string(1, c);
+      before = c;
+    }
+  };
+  add_section(".SH DESCRIPTION", app);
+  for (const CLI::App* verb : app.get_subcommands({})) add_section(".SH limber " + verb->get_name(), *verb);
+  return page;
 }
 
 /// A word as a shell reads it back.
@@ -197,9 +173,6 @@ void describe(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "print this help");
   app.set_version_flag("-v,--version", version_line, "print the version");
-  const auto version = [] { throw CLI::CallForVersion(version_line, 0); };
-  // As some programs call it; help need not say so. CLI11 2.6 would first ask for a verb.
-  app.add_flag_callback("-V", version)->group("")->trigger_on_parse();
   app.require_subcommand(1);
   app.footer(R"(
 limber VERB --help, or limber help VERB, tells more. Models are mesh files (.obj .ply .stl .off .gltf .glb) or built-in
@@ -235,15 +208,6 @@ Verb add_help(CLI::App& app) {
   });
   return {&command, [&app, word, as_manual] {
             write(*as_manual ? manual_page(app) : help_about(app, *word));
-            return ExitCode::answered;
-          }};
-}
-
-Verb add_version(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("version", "The version of the program");
-  command.footer("");
-  return {&command, [] {
-            write(std::string(version_line) + '\n');
             return ExitCode::answered;
           }};
 }
@@ -298,10 +262,9 @@ ExitCode main_program(int argc, const char* const* argv) {
   CLI::App app{"Collision and distance of triangle meshes that deform", "limber"};
   describe(app);
   const std::string typed = typed_line(argc, argv);
-  const std::vector<Verb> verbs = {add_info(app),   add_distance(app, typed), add_collide(app),
-                                   add_within(app), add_contacts(app),        add_self(app),
-                                   add_points(app), add_track(app, typed),    add_demo(app, typed),
-                                   add_help(app),   add_version(app)};
+  const std::vector<Verb> verbs = {
+      add_info(app), add_distance(app, typed), add_collide(app),      add_within(app),      add_contacts(app),
+      add_self(app), add_points(app),          add_track(app, typed), add_demo(app, typed), add_help(app)};
   for (const Verb& verb : verbs) verb.command->group("Verbs");
   try {
     app.parse(argc, argv);

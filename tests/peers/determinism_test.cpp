@@ -10,7 +10,7 @@
 #include "limber/points.h"
 #include "limber/scene.h"
 #include "peers.h"
-#include "scenes/answer_hash.h"
+#include "scenes/scenes.h"
 #include "simd/kernels.h"
 
 namespace limber::testing {

@@ -15,7 +15,6 @@
 
 #include "reference/reference.h"
 #include "scenes/motions.h"
-#include "scenes/planning.h"
 #include "scenes/surfaces.h"
 
 namespace limber::scenes {
@@ -165,18 +164,6 @@ TEST(Motions, AreTheSameToTheBitOnEveryMachine) {
     EXPECT_EQ(hash_at(e.motion, 100), e.later) << e.motion.name << std::hex << " 0x" << hash_at(e.motion, 100);
     EXPECT_EQ(hash(e.motion.mesh), e.start) << e.motion.name;
   }
-}
-
-TEST(Motions, MorphsEndWhereTheyShould) {
-  const Mesh from = wave_sheet(6, 6, 0), to = wave_sheet(6, 6, 3);
-  const Motion wave = morph("wave", from, to, 4);
-  EXPECT_EQ(wave.positions(0), from.positions());
-  const std::vector<Vec3> end = wave.positions(4), half = wave.positions(2);
-  for (std::size_t v = 0; v < end.size(); ++v) {
-    EXPECT_NEAR(length(end[v] - to.positions()[v]), 0, 1e-15);
-    EXPECT_NEAR(length(half[v] - 0.5 * (from.positions()[v] + to.positions()[v])), 0, 1e-15);
-  }
-  EXPECT_EQ(wave.positions(7), wave.positions(1));
 }
 
 struct KnownScene {

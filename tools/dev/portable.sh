@@ -144,7 +144,7 @@ run() {
   emulator=("$2")
   export WINEDEBUG=-all WINEPREFIX=$folder/wine LC_ALL=C.UTF-8 LIMBER_UPDATE_SEQUENCES=100
   if [[ $2 == qemu-* ]]; then filter=-$(slow_tests); fi
-  "$2" "$folder/$target/clients/program/limber" version </dev/null
+  "$2" "$folder/$target/clients/program/limber" --version </dev/null
   run_programs "portable/$target" "unit:$filter" io || die "$target: tests failed"
   count=$(awk '/^\[  PASSED  \]/ {n += $4} END {print n}' "$folder/$target"/{unit,io}_*.log)
   answers_of "$2" "$folder/$target/clients/program/limber" >"$folder/$target/answers"

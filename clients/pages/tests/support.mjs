@@ -7,6 +7,7 @@ import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
+import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { build } from 'esbuild-wasm';
 import { chromium } from 'playwright-core';
@@ -19,13 +20,15 @@ export async function module(path) {
   return import(`data:text/javascript;base64,${Buffer.from(bundle.outputFiles[0].contents).toString('base64')}`);
 }
 
-/** The program's answer, as JSON lines. */
+/** The program's answer, as JSON lines; the demonstration has none. */
 function limber(...words) {
   const program = process.env.LIMBER_PROGRAM;
   if (program === undefined) throw new Error('LIMBER_PROGRAM does not name the program');
-  const { status, stdout, stderr } = spawnSync(program, words, { encoding: 'utf8', maxBuffer: 1 << 28 });
+  const isDemo = words[0] === 'demo';
+  const options = { encoding: 'utf8', maxBuffer: 1 << 28 };
+  const { status, stdout, stderr } = spawnSync(program, isDemo ? words : [...words, '--json'], options);
   if (status !== 0 && status !== 3) throw new Error(`limber ${words.join(' ')}: ${stderr}`);
-  return stdout
+  return (isDemo ? '' : stdout)
     .split('\n')
     .filter((line) => line !== '')
     .map((line) => JSON.parse(line));
@@ -56,7 +59,7 @@ export class Session {
 
   /** Keeps what the program answers, and the data of its page, which it puts into the page that the sources give. */
   make(name, ...words) {
-    this.answers[name] = limber(...words, '--json', '--report', this.page(name));
+    this.answers[name] = limber(...words, '--report', this.page(name));
     const written = readFileSync(this.page(name), 'utf8');
     const begin = written.indexOf(start) + start.length;
     const data = written.slice(begin, written.indexOf('</script>', begin));
@@ -68,7 +71,7 @@ export class Session {
   }
 
   /** What the program answers. */
-  ask = (...words) => limber(...words, '--json');
+  ask = (...words) => limber(...words);
 
   /** Opens a page for a while; options may be left out. */
   async show(name, ...words) {
@@ -142,6 +145,9 @@ export const screens = [
 export const rowsOf = (page, selector) =>
   page.$$eval(`${selector} tr`, (all) => all.map((tr) => [...tr.children].map((cell) => cell.textContent)));
 
+/** The answer that is shown, by the names of its lines. */
+export const answerOf = async (page) => new Map(await rowsOf(page, '#answer'));
+
 /** Waits for two frames of the screen: what was asked for has been drawn. */
 export const settled = (page) =>
   page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
@@ -168,16 +174,23 @@ export const textsOf = (page, selector) => page.$$eval(selector, (all) => all.ma
 
 export const tileTexts = (page) => textsOf(page, '#tiles > div');
 
-/** Whether all that is seen of a page fits, its view is drawn, and charts where there are some, in silence. */
-export async function expectGoodLooks(page, width, hasCharts) {
-  assert.deepEqual(page.complaints, []);
-  const { drawn } = await picture(page);
-  assert.ok(drawn > 0.02 && drawn < 0.98, `${drawn} of the view is drawn`);
-  assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= innerWidth), 'the page is too wide');
-  const charts = await page.$$eval('.plot canvas', (all) => all.map((canvas) => canvas.clientWidth));
-  assert.equal(charts.length > 0, hasCharts);
-  for (const chart of charts) assert.ok(chart > 250 && chart <= width, `${chart} pixels`);
-  assert.equal(await page.locator('main h2:empty').count(), 0);
+/** Tests whether all that is seen of pages fits, views are drawn, and charts where there are some, in silence. */
+export function expectGoodLooks(session, names, hasCharts) {
+  const look = (width) => async (page) => {
+    assert.deepEqual(page.complaints, []);
+    const { drawn } = await picture(page);
+    assert.ok(drawn > 0.02 && drawn < 0.98, `${drawn} of the view is drawn`);
+    assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= innerWidth), 'the page is too wide');
+    const charts = await page.$$eval('.plot canvas', (all) => all.map((canvas) => canvas.clientWidth));
+    assert.equal(charts.length > 0, hasCharts);
+    for (const chart of charts) assert.ok(chart > 250 && chart <= width, `${chart} pixels`);
+    assert.equal(await page.locator('main h2:empty').count(), 0);
+  };
+  for (const name of names) {
+    test(`${name} draws its pictures without a complaint, wide and light, narrow and dark`, async () => {
+      for (const screen of screens) await session.show(name, screen, look(screen.width));
+    });
+  }
 }
 
 /** Goes through all that can have the focus; each has a name, and shows the focus. */

@@ -4,16 +4,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <string_view>
 
-#include "command/options.h"
 #include "command/run_files.h"
 #include "command/text.h"
-#include "formats/csv_inputs.h"
+#include "command/verb.h"
+#include "formats/csv.h"
 #include "formats/scenes.h"
 
 namespace limber::program {
@@ -29,116 +27,32 @@ Model timed_made(Mesh mesh, double& elapsed_us) {
   return model;
 }
 
-/// A mesh of more connected parts is not looked at.
-constexpr std::size_t max_parts = 64;
-
-/// One corner of each connected part, of which there may be `max_parts` + 1 or more.
-std::vector<VertexId> corners_of_parts(MeshView mesh) {
-  // Every vertex points to one of its part, and the last of them to itself.
-  std::vector<VertexId> next(mesh.positions.size());
-  std::iota(next.begin(), next.end(), VertexId{0});
-  const auto last_of = [&](VertexId v) {
-    while (next[v] != v) v = next[v] = next[next[v]];
-    return v;
-  };
-  for (const Corners& c : mesh.triangles) {
-    next[last_of(c[1])] = last_of(c[0]);
-    next[last_of(c[2])] = last_of(c[0]);
-  }
-  std::vector<VertexId> corners;
-  for (const Corners& c : mesh.triangles) {
-    if (corners.size() > max_parts) break;
-    const VertexId last = last_of(c[0]);
-    if (std::find(corners.begin(), corners.end(), last) == corners.end()) corners.push_back(last);
-  }
-  return corners;
-}
-
-/// How often a segment crosses a mesh; empty where it meets the border of a triangle, so that crossings say nothing.
-std::optional<std::size_t> count_crossings(const Segment& segment, MeshView mesh) {
-  std::size_t count = 0;
-  for (TriangleId t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle triangle = mesh.triangle(t);
-    if (!intersects(segment, triangle)) continue;
-    const auto passes_edge = [&](std::size_t i) {
-      return orient3d(segment.p0, segment.p1, triangle[i], triangle[(i + 1) % 3]) == 0;
-    };
-    if (passes_edge(0) || passes_edge(1) || passes_edge(2)) return std::nullopt;
-    ++count;
-  }
-  return count;
-}
-
-/// Pre: the point is not on the mesh, and 9 `size` away from it along any axis no triangle is left.
-bool is_inside(const Vec3& point, MeshView mesh, double size) {
-  constexpr int max_rays = 32;  // a ray at random meets a border once in a long time
-  scenes::Rng rng(1);
-  for (int i = 0; i < max_rays; ++i) {
-    const Vec3 direction{rng.uniform(0.5, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
-    const auto crossings = count_crossings({point, point + (16 * size) * direction}, mesh);
-    if (crossings) return *crossings % 2 == 1;
-  }
-  return false;
-}
-
-/// Whether all triangles of a mesh lie in a box of another frame, up to rounding. Stops at the first that does not.
-bool is_in_box(MeshView mesh, const Transform& box_from_mesh, const Box& box) {
+/// Whether all triangles of a model lie in the box of another, up to rounding. Stops at the first that does not.
+bool is_in_box(const PlacedModel& inner, const PlacedModel& outer) {
+  const MeshView mesh = inner.model.mesh();
+  const Transform outer_from_inner = inverse(outer.pose) * inner.pose;
+  const Box& box = outer.model.box();
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Corners& corners) {
     return std::all_of(corners.begin(), corners.end(), [&](VertexId v) {
-      const Vec3 p = box_from_mesh(mesh.positions[v]);
+      const Vec3 p = outer_from_inner(mesh.positions[v]);
       return min(box.low, p) == box.low && max(box.high, p) == box.high;
     });
   });
 }
 
-/// Whether a mesh lies wholly inside a closed mesh: a ray from one vertex of each connected part crosses the closed
-/// mesh an odd number of times, decided exactly for the placed vertices rounded to float64. Says no for more than
-/// `max_parts` parts.
-///
-/// Pre      The meshes do not meet, or else the answer means nothing; both poses are world_from_mesh.
-/// Cost     O(triangles of both), for each part.
-bool lies_inside(MeshView inner, const Transform& inner_pose, MeshView outer, const Transform& outer_pose) {
-  const std::vector<VertexId> corners = corners_of_parts(inner);
-  if (corners.size() > max_parts) return false;
-  std::vector<Vec3> positions(outer.positions.size());
-  std::transform(outer.positions.begin(), outer.positions.end(), positions.begin(), outer_pose);
-  const MeshView placed{positions, outer.triangles};
-  const Box box = box_of(placed);
-  const double size = max_abs(box.high - box.low);
-  return std::all_of(corners.begin(), corners.end(),
-                     [&](VertexId v) { return is_inside(inner_pose(inner.positions[v]), placed, size); });
-}
-
-bool is_in_box(const PlacedModel& inner, const PlacedModel& outer) {
-  return is_in_box(inner.model.mesh(), inverse(outer.pose) * inner.pose, outer.model.box());
-}
-
-/// Pre: the inner model is in the box of the outer one.
+/// Whether the outer model is closed and has a corner of each triangle inside, decided exactly for corners rounded to
+/// float64. Pre: the models do not meet, and the inner one is in the box of the outer one.
 bool is_inside(const PlacedModel& inner, const PlacedModel& outer) {
-  return outer.model.is_closed() && lies_inside(inner.model.mesh(), inner.pose, outer.model.mesh(), outer.pose);
+  const Result<ClosedSurface>& surface = outer.model.surface();
+  if (!surface) return false;
+  const Mesh& mesh = inner.model.mesh();
+  const Transform outer_from_inner = inverse(outer.pose) * inner.pose;
+  return std::all_of(mesh.triangles().begin(), mesh.triangles().end(), [&](const Corners& corners) {
+    return surface->contains(outer_from_inner(mesh.positions()[corners[0]]));
+  });
 }
 
 }  // namespace
-
-EdgeCounts count_edges(MeshView mesh) {
-  using Edge = std::pair<VertexId, VertexId>;
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (const Corners& c : mesh.triangles) {
-    std::array<Edge, 3> own = {std::minmax(c[0], c[1]), std::minmax(c[1], c[2]), std::minmax(c[2], c[0])};
-    std::sort(own.begin(), own.end());
-    const auto end = std::unique(own.begin(), own.end());
-    std::copy_if(own.begin(), end, std::back_inserter(edges), [](const Edge& e) { return e.first != e.second; });
-  }
-  std::sort(edges.begin(), edges.end());
-  EdgeCounts counts;
-  for (auto first = edges.begin(); first != edges.end();) {
-    const auto last = std::find_if(first, edges.end(), [first](const Edge& e) { return e != *first; });
-    ++(last - first == 1 ? counts.open : last - first == 2 ? counts.closed : counts.non_manifold);
-    first = last;
-  }
-  return counts;
-}
 
 Box box_of(MeshView mesh) {
   const Vec3& first = mesh.positions[mesh.triangles.front()[0]];
@@ -161,32 +75,15 @@ MeshFile load_mesh_argument(const std::string& argument) {
     return file;
   }
   Mesh mesh = value_or_bad_input(scenes::by_name(argument.substr(scene_prefix.size())), argument + ": ");
-  std::vector<std::uint32_t> face_of_triangle(mesh.triangles().size());
-  std::iota(face_of_triangle.begin(), face_of_triangle.end(), 0U);
-  const std::size_t face_count = face_of_triangle.size();
-  std::vector<VertexId> vertices(mesh.positions().size());
-  std::iota(vertices.begin(), vertices.end(), VertexId{0});
-  return {std::move(mesh),
-          std::move(face_of_triangle),
-          face_count,
-          std::move(vertices),
-          {std::string()},
-          std::vector<std::uint32_t>(face_count),
-          {}};
+  const std::size_t face_count = mesh.triangles().size();
+  MeshFile file{std::move(mesh), std::vector<std::uint32_t>(face_count), face_count, {}, {std::string()}, {}, {}};
+  std::iota(file.face_of_triangle.begin(), file.face_of_triangle.end(), 0U);
+  file.part_of_triangle.resize(face_count);
+  return file;
 }
 
 RigidModel::RigidModel(MeshFile file)
-    : box_(box_of(file.mesh)),
-      model_(timed_made(std::move(file.mesh), build_us_)),
-      face_of_triangle_(std::move(file.face_of_triangle)),
-      face_count_(file.face_count),
-      parts_(std::move(file.parts)),
-      part_of_triangle_(std::move(file.part_of_triangle)) {}
-
-bool RigidModel::is_closed() const {
-  if (!is_closed_) is_closed_ = count_edges(mesh()).are_closed();
-  return *is_closed_;
-}
+    : file_(std::move(file)), box_(box_of(file_.mesh)), model_(timed_made(std::move(file_.mesh), build_us_)) {}
 
 const Result<ClosedSurface>& RigidModel::surface() const {
   if (!surface_) surface_ = ClosedSurface::create(model_);
@@ -215,12 +112,12 @@ Nesting nesting_of(const PlacedModel& a, const PlacedModel& b) {
 
 namespace {
 
-/// The poses of a path, or one of a model that stands still.
-std::vector<Transform> poses_of(const PathArguments& arguments, const char* option) {
-  if (arguments.poses.empty()) return {arguments.pose};
-  std::vector<Transform> poses = read_poses(arguments.poses);
+/// The poses of a path, or that of a model that stands still.
+std::vector<Transform> poses_of(const std::string& path, const Transform& pose, const char* option) {
+  if (path.empty()) return {pose};
+  std::vector<Transform> poses = read_poses(path);
   if (poses.size() > 1) return poses;
-  throw BadInput(fmt::format("{}: {} has one pose, and a path two or more", option, arguments.poses));
+  throw BadInput(fmt::format("{}: {} has one pose, and a path two or more", option, path));
 }
 
 RigidMotion motion_from(const std::vector<Transform>& poses, std::size_t step) {
@@ -235,8 +132,9 @@ void add_work(auto& sum, const auto& found) {
 
 }  // namespace
 
-Path::Path(const PathArguments& a, const PathArguments& b) {
-  const std::vector<Transform> poses_a = poses_of(a, "--path-a"), poses_b = poses_of(b, "--path-b");
+Path::Path(const PlacedArguments& arguments) {
+  const std::vector<Transform> poses_a = poses_of(arguments.path_a, arguments.pose_a, "--path-a"),
+                               poses_b = poses_of(arguments.path_b, arguments.pose_b, "--path-b");
   if (poses_a.size() > 1 && poses_b.size() > 1 && poses_a.size() != poses_b.size()) {
     throw BadInput(fmt::format("--path-a has {} poses, but --path-b has {}", poses_a.size(), poses_b.size()));
   }
@@ -302,14 +200,14 @@ void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::
              "instead of a pose, where the model goes: two or more poses, one per row")
         ->excludes(std::string("--pose-") + model);
   }
-  add_json(command, arguments.json, "answer with one JSON object");
+  command.add_flag("--json", arguments.json, "answer with one JSON object");
   add_exit_code(command, arguments.exit_code, told);
 }
 
 Pair::Pair(const PlacedArguments& arguments)
     : arguments_(arguments), a_(load_mesh_argument(arguments.a)), b_(load_mesh_argument(arguments.b)) {
   if (arguments.path_a.empty() && arguments.path_b.empty()) return;
-  path_.emplace(PathArguments{arguments.path_a, arguments.pose_a}, PathArguments{arguments.path_b, arguments.pose_b});
+  path_.emplace(arguments);
   arguments_.pose_a = path_->start_a();
   arguments_.pose_b = path_->start_b();
 }

@@ -24,17 +24,6 @@ namespace limber::program {
 /// The help about an argument that names a model.
 inline constexpr const char* model_argument_help = "mesh file (.obj .ply .stl .off .gltf .glb) or scene:NAME";
 
-/// An edge has two distinct ends. A triangle uses an edge once, even where two of its corners coincide.
-struct EdgeCounts {
-  std::size_t open = 0;          ///< used by one triangle
-  std::size_t closed = 0;        ///< used by two
-  std::size_t non_manifold = 0;  ///< used by more
-
-  /// Whether every edge has two triangles, so that the mesh has an inside.
-  bool are_closed() const { return closed > 0 && open == 0 && non_manifold == 0; }
-};
-EdgeCounts count_edges(MeshView mesh);
-
 /// The box of the triangles; vertices without a triangle do not count. Pre: there is a triangle.
 Box box_of(MeshView mesh);
 
@@ -55,27 +44,22 @@ class RigidModel {
 
   const Mesh& mesh() const { return model_.mesh(); }
   const Model& model() const { return model_; }
-  std::uint32_t face_of(TriangleId triangle) const { return face_of_triangle_[triangle]; }
-  std::size_t face_count() const { return face_count_; }  ///< of the file
+  std::uint32_t face_of(TriangleId triangle) const { return file_.face_of_triangle[triangle]; }
+  std::size_t face_count() const { return file_.face_count; }
   /// The name of the part that a triangle belongs to; null where the file has one part alone.
   const std::string* part_of(TriangleId triangle) const {
-    return parts_.size() > 1 ? &parts_[part_of_triangle_[triangle]] : nullptr;
+    return file_.parts.size() > 1 ? &file_.parts[file_.part_of_triangle[triangle]] : nullptr;
   }
   double build_us() const { return build_us_; }  ///< time for the tree
   const Box& box() const { return box_; }        ///< of the triangles, in the model's frame
-  bool is_closed() const;                        ///< counted when it is first asked for
   /// The surface as that of a solid, or what it lacks; looked at when it is first asked for.
   const Result<ClosedSurface>& surface() const;
 
  private:
+  MeshFile file_;  // without the mesh, which the model has
   Box box_;
   double build_us_ = 0;
   Model model_;
-  std::vector<std::uint32_t> face_of_triangle_;
-  std::size_t face_count_ = 0;
-  std::vector<std::string> parts_;
-  std::vector<std::uint32_t> part_of_triangle_;
-  mutable std::optional<bool> is_closed_;
   mutable std::optional<Result<ClosedSurface>> surface_;
 };
 
@@ -90,8 +74,8 @@ struct PlacedModel {
 /// How the volumes of two models lie to each other; nothing unless RigidModel::surface() of both is closed.
 std::optional<SolidRelationResult> solids_of(const PlacedModel& a, const PlacedModel& b);
 
-/// Whether one of two models lies wholly inside the other, which is closed. Queries take models for surfaces, so to
-/// them such a pair is apart.
+/// Whether one of two models lies wholly inside the other, whose RigidModel::surface() is closed. Queries take models
+/// for surfaces, so to them such a pair is apart.
 enum class Nesting { none, a_inside_b, b_inside_a };
 
 /// How two models are nested whose volumes lie like that.
@@ -99,8 +83,8 @@ Nesting nesting_of(const SolidRelationResult& solids);
 
 /// How two models are nested. The answer means nothing if they meet.
 ///
-/// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n) for n triangles, O(n log n) the
-///          first time, or more: that of solid_relation().
+/// Cost     O(1) where a vertex of each lies outside the other's box; otherwise O(n log n) for n triangles, or more:
+///          that of solid_relation().
 Nesting nesting_of(const PlacedModel& a, const PlacedModel& b);
 
 /// The help text about path files, for every verb that reads them.
@@ -111,18 +95,19 @@ third. On the way the model's origin moves straight, and the model turns about o
 constant speed. Paths of both models have as many poses.
 )";
 
-/// Where a model goes, as the command line says it.
-struct PathArguments {
-  std::string poses;  ///< a file; empty: the model stands still
-  Transform pose;     ///< where it does
+/// Two rigid models, and where they stand or go.
+struct PlacedArguments {
+  std::string a, b;
+  Transform pose_a, pose_b;    // world_from_model
+  std::string path_a, path_b;  // files of poses; empty: the model stands still
 };
 
 /// How two models go along their poses, one step after the other.
 class Path {
  public:
-  /// Pre      One of the two goes along poses.
+  /// Pre      One of the two has a path.
   /// Errors   BadInput of read_poses(); where there are fewer than two poses, or not as many for both models.
-  Path(const PathArguments& a, const PathArguments& b);
+  explicit Path(const PlacedArguments& arguments);
 
   const Transform& start_a() const { return steps_.front().a.start(); }
   const Transform& start_b() const { return steps_.front().b.start(); }
@@ -137,13 +122,6 @@ class Path {
   };
 
   std::vector<Step> steps_;
-};
-
-/// Two rigid models, and where they stand or go.
-struct PlacedArguments {
-  std::string a, b;
-  Transform pose_a, pose_b;    // world_from_model
-  std::string path_a, path_b;  // files of poses; empty: the model stands still
 };
 
 /// An option that says where a model stands: "A".

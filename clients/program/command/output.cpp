@@ -4,10 +4,12 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <initializer_list>
 
 #include "command/text.h"
 
@@ -15,10 +17,7 @@
 #include <fcntl.h>
 #include <io.h>
 #else
-#include <unistd.h>
-
 #include <csignal>
-#include <initializer_list>
 #endif
 
 namespace limber::program {
@@ -72,7 +71,7 @@ std::array<std::string, 3> names_of_three(const std::string& name) {
 
 void append_names(Names& names, const std::string& prefix, const Json& sample) {
   for (const auto& [key, value] : sample.items()) {
-    const bool has_no_name = key == "witness" || key == "pair" || key == "touch" || key == "closest";
+    const bool has_no_name = key == "witness" || key == "pair" || key == "closest";
     if (value.is_object()) {
       append_names(names, has_no_name ? prefix : prefix + key + '_', value);
     } else if (value.is_array()) {
@@ -101,27 +100,15 @@ void append_cells(std::string& line, const Json& sample, const Json& json) {
   }
 }
 
-constexpr double bar_redraw_s = 0.1;
-
 }  // namespace
 
+void prepare_streams() {
 #if defined(_WIN32)
-
-bool is_terminal(std::FILE* stream) { return _isatty(_fileno(stream)) != 0; }
-
-void prepare_streams() {
   for (std::FILE* const stream : {stdout, stderr}) _setmode(_fileno(stream), _O_BINARY);  // line ends stay as they are
-}
-
 #else
-
-bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) != 0; }
-
-void prepare_streams() {
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-}
-
 #endif
+}
 
 void fail_to_write(const std::string& name, int reason) {
   throw OutputFailed(reason == EPIPE ? "" : fmt::format("cannot write {}: {}", name, std::strerror(reason)));
@@ -135,30 +122,9 @@ void flush() {
   if (std::fflush(stdout) != 0) fail_to_write("to standard output", errno);
 }
 
-void show(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stderr);
-  std::fflush(stderr);
-}
-
-ProgressBar::ProgressBar(std::size_t count, const char* unit)
-    : count_(count), unit_(unit), is_shown_(is_terminal(stderr)) {}
-
-void ProgressBar::clear() {
-  if (stands_) show("\r\033[K");
-  stands_ = false;
-}
-
-void ProgressBar::draw(std::size_t done) {
-  if (!is_shown_ || (stands_ && done < count_ && since_drawn_.seconds() < bar_redraw_s)) return;
-  constexpr std::size_t width = 40;
-  const std::size_t filled = width * done / count_;
-  show(fmt::format("\r[{:#<{}}{:.<{}}] {}/{} {}", "", filled, "", width - filled, done, count_, unit_));
-  stands_ = true;
-  since_drawn_ = Stopwatch();
-}
-
 void warn(const std::string& verb, const std::string& text) {
-  show(on_one_line("limber: " + verb + ": warning: " + text) + '\n');
+  const std::string line = on_one_line("limber: " + verb + ": warning: " + text) + '\n';
+  std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 std::string to_line(const Json& json) {
@@ -182,10 +148,8 @@ std::string AnswerColumns::line(const Json& object) const {
 Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
 
 const char* to_text(DistanceStatus status) {
-  const auto* const found = std::find_if(status_words.begin(), status_words.end(),
-                                         [status](const auto& entry) { return entry.first == status; });
-  if (found == status_words.end()) throw std::logic_error("an answer has no known status");
-  return found->second;
+  static constexpr std::array words = {"exact", "within_error", "collision", "beyond_limit", "interrupted"};
+  return words.at(static_cast<std::size_t>(status));
 }
 
 std::string on_one_line(std::string_view text) {

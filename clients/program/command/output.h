@@ -4,10 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -44,9 +42,6 @@ void write_line(fmt::format_string<Args...> format, Args&&... args) {
 /// Hands over what has been written so far. Errors: OutputFailed.
 void flush();
 
-/// Whether what is written to the stream is seen by a person at once.
-bool is_terminal(std::FILE* stream);
-
 /// To be called before anything is written: every system then writes the same bytes, and a write fails, instead of a
 /// signal ending the program, when the reader is gone or a file as large as it may be.
 void prepare_streams();
@@ -65,32 +60,6 @@ class Stopwatch {
 /// A sum of times without the digits that adding them up has left behind the nanoseconds.
 inline double rounded_us(double microseconds) { return std::round(microseconds * 1e3) / 1e3; }
 
-/// A bar on standard error that shows how many of something are done, if that is a terminal; otherwise silent.
-class ProgressBar {
- public:
-  /// `unit` is their name in the plural.
-  ProgressBar(std::size_t count, const char* unit);
-  ~ProgressBar() { clear(); }
-  ProgressBar(const ProgressBar&) = delete;
-  ProgressBar& operator=(const ProgressBar&) = delete;
-
-  /// Removes the bar, so that a line can be written in its place.
-  void clear();
-
-  /// Draws the bar unless it was drawn a moment ago and still stands.
-  void draw(std::size_t done);
-
- private:
-  std::size_t count_;
-  const char* unit_;
-  bool is_shown_;  // whether there is a terminal
-  bool stands_ = false;
-  Stopwatch since_drawn_;
-};
-
-/// Writes to standard error at once, whether or not somebody reads it.
-void show(const std::string& text);
-
 /// One line on standard error about an answer that may not mean what it seems to.
 void warn(const std::string& verb, const std::string& text);
 
@@ -100,7 +69,7 @@ void warn(const std::string& verb, const std::string& text);
 std::string to_line(const Json& json);
 
 /// The columns of CSV, which are the fields of JSON objects. An object in an object has its name before those of its
-/// columns, but for witness, pair, touch and closest; an array of three numbers is three columns.
+/// columns, but for witness, pair and closest; an array of three numbers is three columns.
 class AnswerColumns {
  public:
   /// `sample` has all fields that there may be. Those that are null are one column each.
@@ -123,12 +92,6 @@ template <typename T>
 Json to_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
-inline constexpr std::array<std::pair<DistanceStatus, const char*>, 5> status_words = {
-    {{DistanceStatus::exact, "exact"},
-     {DistanceStatus::within_error, "within_error"},
-     {DistanceStatus::collision, "collision"},
-     {DistanceStatus::beyond_limit, "beyond_limit"},
-     {DistanceStatus::interrupted, "interrupted"}}};
 const char* to_text(DistanceStatus status);
 
 /// The text without line ends or other control characters, so that it stays on one line.

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <optional>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -51,7 +52,7 @@ struct Output {
 
 namespace {
 
-std::map<fs::path, std::string> run_inputs;
+std::set<fs::path> run_inputs;      // absolute and without links
 std::array<Output, 4> run_outputs;  // no run has more; what is new when the program ends is removed
 
 #if defined(_WIN32)
@@ -156,7 +157,7 @@ void check(const Output& output) {
     if (!overwrites(output.target, other)) return;
     throw BadInput(fmt::format("{}: {} is {}", output.option, output.path, what));
   };
-  for (const auto& input : run_inputs) refuse_if(input.first, "one of the inputs");
+  for (const fs::path& input : run_inputs) refuse_if(input, "one of the inputs");
   for (const char* const stream : {"/dev/stdout", "/dev/stderr"}) {
     if (!descriptor_named(output.target)) refuse_if(stream, "where another output goes");
   }
@@ -173,9 +174,8 @@ int made_beside(Output& output) {
   output.new_path = (output.target.parent_path() /
                      fmt::format("{}.partial-{:08x}", name.size() > most_bytes ? "limber" : name, number))
                         .string();
-  output.text_if_kept =
-      fmt::format("{}limber: rows until now are in {}; {} is as before\n", is_terminal(stderr) ? "\n" : "",
-                  on_one_line(output.new_path), on_one_line(output.path));
+  output.text_if_kept = fmt::format("limber: rows until now are in {}; {} is as before\n", on_one_line(output.new_path),
+                                    on_one_line(output.path));
   watch_signals();
   output.is_new = true;
   const int descriptor = made_file(output.new_path, output.target.string());
@@ -214,10 +214,8 @@ void add_input(const fs::path& path) {
   if (is_mute || overwrites(input, "/dev/stdout")) {
     throw BadInput(fmt::format("{} is one of the inputs, and what the run writes would be added to it", path.string()));
   }
-  run_inputs.emplace(input, path.string());
+  run_inputs.insert(input);
 }
-
-const std::map<fs::path, std::string>& inputs() { return run_inputs; }
 
 OutputFile::OutputFile(const std::string& option, const std::string& path) {
   if (path == "-") return;
@@ -229,8 +227,6 @@ OutputFile::OutputFile(const std::string& option, const std::string& path) {
   check(*output_);
   open_output(*output_);
 }
-
-bool OutputFile::is_terminal() const { return program::is_terminal(output_ == nullptr ? stdout : output_->stream); }
 
 void OutputFile::write(std::string_view text) {
   if (output_ == nullptr) return program::write(text), flush();

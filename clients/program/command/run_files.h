@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <string_view>
 
@@ -14,9 +13,6 @@ namespace limber::program {
 ///
 /// Errors   BadInput where standard output or standard error goes to this file; nobody reads it in the latter case.
 void add_input(const std::filesystem::path& path);
-
-/// The files that were added: by path, absolute and without links, the name that came first.
-const std::map<std::filesystem::path, std::string>& inputs();
 
 /// The file that an option names, or standard output where it names "-".
 ///
@@ -32,8 +28,6 @@ class OutputFile {
   OutputFile(const std::string& option, const std::string& path);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
-
-  bool is_terminal() const;
 
   /// Writes and hands over. Errors: OutputFailed.
   void write(std::string_view text);

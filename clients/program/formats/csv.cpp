@@ -6,12 +6,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -130,80 +133,162 @@ bool is_header(const std::vector<std::string>& fields) {
   });
 }
 
-/// Where in a row the known columns are.
-class Columns {
- public:
-  /// Without a header, in their own order.
-  explicit Columns(const CsvFormat& format) : format_(format), count_(format.columns.size()) {
-    for (std::size_t c = 0; c < count_; ++c) places_.emplace_back(c);
-  }
-
-  Columns(const CsvFormat& format, const std::vector<std::string>& names)
-      : format_(format), count_(names.size()), is_named_(true) {
-    std::vector<std::string> missing;
-    for (const std::string_view column : format.columns) {
-      const auto found = std::find(names.begin(), names.end(), column);
-      places_.emplace_back(static_cast<std::size_t>(found - names.begin()));
-      if (found == names.end()) missing.emplace_back(column);
-      if (std::count(names.begin(), names.end(), column) > 1) {
-        throw BadInput(fmt::format("column {} comes twice", column));
-      }
-    }
-    for (const std::string& name : names) {
-      const bool is_known = std::find(format.columns.begin(), format.columns.end(), name) != format.columns.end();
-      if (is_known) continue;
-      if (format.is_complete) throw BadInput(fmt::format("no column is called '{}'{}", shown(name), format.hint));
-      std::optional<std::string> meant = nearest(name, missing);
-      for (const std::string& column : missing) {
-        if (!meant && column.ends_with("_" + name)) meant = column;  // tx for pose_tx
-      }
-      if (meant) throw BadInput(fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
-    }
-    for (std::size_t c = 0; c < format.required_count; ++c) {
-      if (places_[c] == count_) throw BadInput(fmt::format("there is no column {}{}", format.columns[c], format.hint));
+/// Where in a row the known columns are; the number of names where there is no such column.
+std::vector<std::size_t> places_of(const CsvFormat& format, const std::vector<std::string>& names) {
+  std::vector<std::size_t> places;
+  std::vector<std::string> missing;
+  for (const std::string& column : format.columns) {
+    const auto found = std::find(names.begin(), names.end(), column);
+    places.push_back(static_cast<std::size_t>(found - names.begin()));
+    if (found == names.end()) missing.push_back(column);
+    if (std::count(names.begin(), names.end(), column) > 1) {
+      throw BadInput(fmt::format("column {} comes twice", column));
     }
   }
-
-  std::vector<std::string> in_order(const std::vector<std::string>& fields) const {
-    if (fields.size() != count_) {
-      throw BadInput(is_named_ ? fmt::format("has {} fields, but the header has {}", fields.size(), count_)
-                               : fmt::format("a {} is {} numbers {}, not {}", format_.entry, count_,
-                                             fmt::join(format_.columns, ","), fields.size()));
+  for (const std::string& name : names) {
+    const bool is_known = std::find(format.columns.begin(), format.columns.end(), name) != format.columns.end();
+    if (is_known) continue;
+    if (format.is_complete) throw BadInput(fmt::format("no column is called '{}'{}", shown(name), format.hint));
+    std::optional<std::string> meant = nearest(name, missing);
+    for (const std::string& column : missing) {
+      if (!meant && column.ends_with("_" + name)) meant = column;  // tx for pose_tx
     }
-    std::vector<std::string> ordered;
-    for (const std::size_t place : places_) ordered.push_back(place < count_ ? fields[place] : std::string());
-    return ordered;
+    if (meant) throw BadInput(fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
   }
+  for (std::size_t c = 0; c < format.required_count; ++c) {
+    if (places[c] == names.size())
+      throw BadInput(fmt::format("there is no column {}{}", format.columns[c], format.hint));
+  }
+  return places;
+}
 
- private:
-  CsvFormat format_;
-  std::size_t count_;  // of fields in a row
-  bool is_named_ = false;
-  std::vector<std::size_t> places_;  // by known column; `count_` where there is no such column
-};
+const std::vector<std::string> pose_columns = {"tx", "ty", "tz", "qw", "qx", "qy", "qz"};
+constexpr std::size_t pose_size = 7;
+
+Result<Transform> pose_of(const std::array<double, pose_size>& n) {
+  return transform_from_quaternion({n[0], n[1], n[2]}, n[3], n[4], n[5], n[6]);
+}
+
+double number_in(const std::string& field, std::string_view column) {
+  const std::optional<double> number = parsed_number(field);
+  if (!number) throw BadInput(fmt::format("column {}: '{}' is not a number", column, shown(field)));
+  return *number;
+}
+
+/// The pose whose fields in a row start with `first`, as do their names in `all_columns`.
+Transform pose_in(const std::vector<std::string>& fields, const std::vector<std::string>& all_columns,
+                  std::size_t first) {
+  std::array<double, pose_size> numbers = {0, 0, 0, 1, 0, 0, 0};
+  const std::span own = std::span(fields).subspan(first, pose_size);
+  const std::span columns = std::span(all_columns).subspan(first, pose_size);
+  for (std::size_t i = 0; i < pose_size; ++i) {
+    if (!own[i].empty()) numbers[i] = number_in(own[i], columns[i]);
+  }
+  const auto quaternion = own.subspan(3);
+  const auto missing = std::find(quaternion.begin(), quaternion.end(), "");
+  if (missing != quaternion.end() && std::count(quaternion.begin(), quaternion.end(), "") < 4) {
+    throw BadInput(fmt::format("column {}: is empty, but a quaternion has four numbers",
+                               columns[3 + static_cast<std::size_t>(missing - quaternion.begin())]));
+  }
+  return value_or_bad_input(pose_of(numbers), fmt::format("column {} to {}: ", columns.front(), columns.back()));
+}
 
 }  // namespace
 
 void read_csv(const std::string& path, const CsvFormat& format, const CsvTaker& take) {
   CsvFile file(path);
-  std::optional<Columns> columns;
+  std::vector<std::string> names;   // of the header, or as the format has them
+  std::vector<std::size_t> places;  // of the known columns among them
+  bool is_named = false;
   std::size_t row_count = 0;
   while (const std::optional<std::string_view> line = file.next()) {
     try {
       const std::vector<std::string> fields = fields_of_line(*line);
-      if (!columns && (format.has_header || is_header(fields))) {
-        columns.emplace(format, fields);
-        continue;
+      if (names.empty()) {
+        is_named = format.has_header || is_header(fields);
+        names = is_named ? fields : format.columns;
+        places = places_of(format, names);
+        if (is_named) continue;
       }
-      if (!columns) columns.emplace(format);
-      take(columns->in_order(fields), file.line_number());
+      if (fields.size() != names.size()) {
+        throw BadInput(is_named ? fmt::format("has {} fields, but the header has {}", fields.size(), names.size())
+                                : fmt::format("a {} is {} numbers {}, not {}", format.entry, names.size(),
+                                              fmt::join(names, ","), fields.size()));
+      }
+      std::vector<std::string> ordered;
+      for (const std::size_t place : places) ordered.push_back(place < fields.size() ? fields[place] : std::string());
+      take(ordered, file.line_number());
       ++row_count;
     } catch (const BadInput& error) {
       throw file.error(file.line_number(), error.what());
     }
   }
-  if (format.has_header && !columns) throw BadInput(path + ": is empty");
+  if (format.has_header && names.empty()) throw BadInput(path + ": is empty");
   if (row_count == 0) throw BadInput(fmt::format("{}: has no {}", path, format.entry));
+}
+
+Result<Transform> parsed_pose(std::string_view text) {
+  const std::vector<std::string_view> fields = fields_of(text, ',');
+  std::array<double, pose_size> numbers{};
+  if (fields.size() != pose_size) {
+    return Error{ErrorCode::size_mismatch,
+                 fmt::format("a pose is {} numbers {}, not {}", pose_size, pose_format, fields.size()),
+                 {}};
+  }
+  for (std::size_t i = 0; i < pose_size; ++i) {
+    const std::optional<double> number = parsed_number(fields[i]);
+    if (!number) {
+      return Error{ErrorCode::malformed_file,
+                   fmt::format("{}: '{}' is not a number", pose_columns[i], shown(fields[i])), i};
+    }
+    numbers[i] = *number;
+  }
+  return pose_of(numbers);
+}
+
+std::vector<Transform> read_poses(const std::string& path) {
+  CsvFormat format{"pose", pose_columns};
+  format.hint = fmt::format("; poses are {}", pose_format);
+  std::vector<Transform> poses;
+  read_csv(path, format, [&](const std::vector<std::string>& fields, std::size_t) {
+    poses.push_back(value_or_bad_input(parsed_pose(fmt::format("{}", fmt::join(fields, ",")))));
+  });
+  return poses;
+}
+
+std::vector<Vec3> read_points(const std::string& path) {
+  const CsvFormat format{"point", {"x", "y", "z"}};
+  std::vector<Vec3> points;
+  read_csv(path, format, [&](const std::vector<std::string>& fields, std::size_t) {
+    Vec3& point = points.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      point[k] = number_in(fields[k], format.columns[k]);
+      if (std::abs(point[k]) <= max_coordinate) continue;
+      throw BadInput(
+          fmt::format("column {}: '{}' is not a number of at most 2^200", format.columns[k], shown(fields[k])));
+    }
+  });
+  return points;
+}
+
+std::vector<ModelRow> read_models(const std::string& path, const std::vector<std::string>& suffixes) {
+  const std::size_t count = suffixes.size();
+  CsvFormat format{count > 1 ? "pair" : "part", {}, count, true};
+  for (const std::string& suffix : suffixes) format.columns.push_back("model" + suffix);
+  format.hint = fmt::format("; the first row names the columns: {}", fmt::join(format.columns, ","));
+  for (const std::string& suffix : suffixes) {
+    for (const std::string& column : pose_columns) format.columns.push_back("pose" + suffix + '_' + column);
+  }
+  if (count == 1) format.columns.emplace_back("name");
+  std::vector<ModelRow> rows;
+  read_csv(path, format, [&](const std::vector<std::string>& fields, std::size_t line) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (fields[i].empty()) throw BadInput(fmt::format("column {}: is empty", format.columns[i]));
+      rows.push_back({format.columns[i], fields[i], count == 1 ? fields.back() : std::string(),
+                      pose_in(fields, format.columns, count + pose_size * i), line});
+    }
+  });
+  return rows;
 }
 
 }  // namespace limber::program

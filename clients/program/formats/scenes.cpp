@@ -2,41 +2,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "formats/scenes.h"
 
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
-
-#include "command/text.h"
+#include <vector>
 
 namespace limber::program::scenes {
 namespace {
 
 using std::numbers::pi;
 
-/// Terms of the power series beyond the first; at |x| <= pi the last of them is far below one unit in the last place.
-constexpr int series_terms = 16;
-
-double reduced_to_one_turn(double x) { return x - std::floor(x / (2 * pi) + 0.5) * (2 * pi); }
-
-struct NamedScene {
-  const char* name;
-  std::optional<std::uint64_t> default_number;  ///< of one that takes a number
-  Mesh (*make)(std::uint64_t number);
-};
-
-constexpr std::array<NamedScene, 5> named_scenes = {{
-    {"square", {}, [](std::uint64_t) { return grid(64, 64, -4, -4, 0.125, 0.125); }},
-    {"ball", {}, [](std::uint64_t) { return thesis_ball(); }},
-    {"sheet", {}, [](std::uint64_t) { return thesis_sheet(); }},
-    {"wave", 0, [](std::uint64_t frame) { return wave_sheet(100, 100, static_cast<double>(frame)); }},
-    {"soup", 1,
-     [](std::uint64_t seed) {
-       Rng rng(seed);
-       return random_soup(rng, 1000, 0.2);
-     }},
-}};
+/// The power series of the sine, whose first term is `x`, or of the cosine, whose first term is 1, reduced to one turn.
+double series(double x, bool is_sine) {
+  constexpr int terms = 16;  // beyond the first; at |x| <= pi the last is far below one unit in the last place
+  x -= std::floor(x / (2 * pi) + 0.5) * (2 * pi);
+  double term = is_sine ? x : 1;
+  double sum = term;
+  for (int k = 1; k <= terms; ++k) {
+    const int n = is_sine ? 2 * k + 1 : 2 * k;
+    term = term * (-(x * x)) / static_cast<double>(n * (n - 1));
+    sum += term;
+  }
+  return sum;
+}
 
 }  // namespace
 
@@ -50,27 +38,8 @@ std::uint64_t Rng::next() {
 
 double Rng::uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
-double sine(double x) {
-  x = reduced_to_one_turn(x);
-  double term = x;
-  double sum = x;
-  for (int k = 1; k <= series_terms; ++k) {
-    term = term * (-(x * x)) / static_cast<double>(2 * k * (2 * k + 1));
-    sum += term;
-  }
-  return sum;
-}
-
-double cosine(double x) {
-  x = reduced_to_one_turn(x);
-  double term = 1;
-  double sum = 1;
-  for (int k = 1; k <= series_terms; ++k) {
-    term = term * (-(x * x)) / static_cast<double>((2 * k - 1) * (2 * k));
-    sum += term;
-  }
-  return sum;
-}
+double sine(double x) { return series(x, true); }
+double cosine(double x) { return series(x, false); }
 
 Mesh grid(std::uint32_t nx, std::uint32_t ny, double x0, double y0, double dx, double dy) {
   std::vector<Vec3> positions;
@@ -125,68 +94,11 @@ Mesh ball(std::uint32_t slices, std::uint32_t stacks) {
   return Mesh::create(std::move(positions), std::move(triangles)).value();
 }
 
-Mesh thesis_ball() { return ball(32, 17); }
-Mesh thesis_sheet() { return grid(100, 100, 0, 0, 1, 1); }
-
-Mesh wave_sheet(std::uint32_t nx, std::uint32_t ny, double frame) {
-  const double height = 4.0 * ny / nx;
-  const Mesh flat = grid(nx, ny, 0, 0, 4.0 / nx, height / ny);
-  std::vector<Vec3> positions = flat.positions();
-  const double phase = 0.37 * frame;
-  for (Vec3& p : positions) p.z = 0.1 * sine(4 * p.x + phase) * cosine(5 * p.y - 0.7 * phase);
-  return Mesh::create(std::move(positions), flat.triangles()).value();
-}
-
-Mesh random_soup(Rng& rng, std::uint32_t triangles, double size) {
-  const auto point_in = [&rng](double low, double high) {
-    Vec3 point;
-    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rng.uniform(low, high);
-    return point;
-  };
-  std::vector<Vec3> positions;
-  std::vector<Corners> corners;
-  for (std::uint32_t i = 0; i < triangles; ++i) {
-    const Vec3 place = point_in(-1, 1);
-    for (int k = 0; k < 3; ++k) positions.push_back(place + point_in(-size / 2, size / 2));
-    corners.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-  }
-  return Mesh::create(std::move(positions), std::move(corners)).value();
-}
-
 Result<Mesh> by_name(const std::string& name) {
-  const std::size_t colon = name.find(':');
-  std::string known;
-  for (const NamedScene& scene : named_scenes) {
-    known += std::string(known.empty() ? "" : ", ") + scene.name + (scene.default_number ? "[:number]" : "");
-    if (name.substr(0, colon) != scene.name) continue;
-    if (colon == std::string::npos) return scene.make(scene.default_number.value_or(0));
-    const std::optional<std::uint64_t> number = parsed_count(name.substr(colon + 1));
-    if (scene.default_number && number) return scene.make(*number);
-  }
-  return Error{ErrorCode::unsupported_format, "no scene is called '" + name + "'; there are " + known, std::nullopt};
-}
-
-Dent random_dent(Rng& rng) {
-  Dent dent;
-  dent.x = 100 * rng.uniform();
-  dent.y = 100 * rng.uniform();
-  dent.radius = 1 + 9 * rng.uniform();
-  dent.slope = (rng.next() & 1) != 0 ? 0.1 : -0.1;
-  return dent;
-}
-
-VertexMoves dent_moves(const Dent& dent, std::span<const Vec3> positions) {
-  VertexMoves moves;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Vec3& p = positions[i];
-    const double dx = p.x - dent.x;
-    const double dy = p.y - dent.y;
-    const double distance = std::sqrt(dx * dx + dy * dy);
-    if (distance > dent.radius) continue;
-    moves.ids.push_back(static_cast<VertexId>(i));
-    moves.positions.push_back({p.x, p.y, p.z + dent.slope * distance});
-  }
-  return moves;
+  if (name == "square") return grid(64, 64, -4, -4, 0.125, 0.125);
+  if (name == "ball") return ball(32, 17);
+  if (name == "sheet") return grid(100, 100, 0, 0, 1, 1);
+  return Error{ErrorCode::unsupported_format, "no scene is called '" + name + "'; there are square, ball, sheet", {}};
 }
 
 }  // namespace limber::program::scenes

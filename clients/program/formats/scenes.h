@@ -3,14 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "limber/mesh.h"
 
-/// Meshes that are built in, and how the demonstration deforms one: with IEEE + - * / sqrt and a seeded generator
-/// alone, so that they are the same on every machine.
+/// Meshes that are built in: with IEEE + - * / sqrt and a seeded generator alone, so that they are the same on every
+/// machine.
 namespace limber::program::scenes {
 
 /// splitmix64.
@@ -36,31 +34,10 @@ Mesh grid(std::uint32_t nx, std::uint32_t ny, double x0, double y0, double dx, d
 /// A unit ball around the origin, with poles on the z axis. Pre: slices >= 3, stacks >= 2.
 Mesh ball(std::uint32_t slices, std::uint32_t stacks);
 
-Mesh thesis_ball();   ///< diameter 2, 1024 triangles
-Mesh thesis_sheet();  ///< 100 x 100 units, 20 000 triangles
-
-/// A frame of a sheet of nx * ny squares that waves over [0, 4] x [0, 4 ny / nx].
-Mesh wave_sheet(std::uint32_t nx, std::uint32_t ny, double frame);
-
-/// Triangles without common vertices: around random places in the cube [-1, 1]^3, in cubes of edge `size`.
-Mesh random_soup(Rng& rng, std::uint32_t triangles, double size);
-
-/// `square` (8 x 8 units around the origin, 8192 triangles), `ball`, `sheet`; `wave:F` (frame F) and `soup:S` (seed S).
+/// `square` (8 x 8 units around the origin, 8192 triangles), `ball` (diameter 2, 1024 triangles), `sheet` (100 x 100
+/// units, 20 000 triangles).
 ///
 /// Errors   `unsupported_format` naming the scenes there are.
 Result<Mesh> by_name(const std::string& name);
-
-/// All vertices within `radius` of a vertical line move along z in proportion to their distance from it.
-struct Dent {
-  double x = 0, y = 0, radius = 1;
-  double slope = 0.1;  ///< displacement per unit of distance from the line
-};
-Dent random_dent(Rng& rng);  ///< of the 100 x 100 sheet
-
-struct VertexMoves {
-  std::vector<VertexId> ids;
-  std::vector<Vec3> positions;
-};
-VertexMoves dent_moves(const Dent& dent, std::span<const Vec3> positions);
 
 }  // namespace limber::program::scenes

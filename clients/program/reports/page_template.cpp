@@ -4,16 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
-#include <system_error>
-#include <utility>
 
-#include "answers/models.h"
 #include "command/text.h"
-#include "reports/sha256.h"
 
 namespace limber::program {
 namespace {
@@ -36,37 +29,7 @@ std::string time_of_day() {
                      unsigned{date.day()}, time.hours().count(), time.minutes().count());
 }
 
-/// Name, size and digest of a file; nothing where it cannot be read a second time, as a pipe.
-std::optional<Json> described(const std::string& path) {
-  std::error_code failed;
-  if (!std::filesystem::is_regular_file(path, failed)) return std::nullopt;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  if (!(bytes << file.rdbuf())) return std::nullopt;
-  const std::size_t byte_count = bytes.view().size();
-  return Json{{"name", path}, {"bytes", byte_count}, {"sha256", sha256_of(std::move(bytes).str())}};
-}
-
 }  // namespace
-
-std::string filled_page(Json data, const std::string& command_line) {
-  constexpr std::string_view placeholder = "\"data of the page\"";
-  const std::size_t at = viewer_template.find(placeholder);
-  if (at == std::string_view::npos) throw std::logic_error("the viewer has no place for its data");
-  data["format"] = page_format;
-  data["version"] = LIMBER_VERSION;
-  data["made_at"] = time_of_day();
-  data["command"] = command_line;
-  std::string filled(viewer_template.substr(0, at));
-  for (const char c : to_line(data)) {
-    if (c == '<') {
-      filled += "\\u003c";  // no name of a file ends the script that the data stands in
-    } else {
-      filled += c;
-    }
-  }
-  return filled.append(viewer_template.substr(at + placeholder.size()));
-}
 
 CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description) {
   CLI::Option* const report = command.add_option(option_name, arguments.path, description)->type_name("FILE");
@@ -80,29 +43,27 @@ CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std
 }
 
 ReportFile::ReportFile(const ReportArguments& arguments)
-    : arguments_(arguments), file_(option_name, checked(arguments.path)) {
-  describe_inputs();
-}
-
-void ReportFile::describe_inputs() {
-  for (const auto& [path, name] : inputs()) {
-    if (!inputs_.contains(path)) inputs_.emplace(path, described(name));
-  }
-}
+    : arguments_(arguments), file_(option_name, checked(arguments.path)) {}
 
 void ReportFile::write(Json data) {
-  describe_inputs();
-  data["title"] = arguments_.title;
-  data["unit"] = arguments_.unit;
-  Json& files = data["inputs"] = Json::array();
-  for (const auto& input : inputs_) {
-    if (input.second) files.push_back(*input.second);
+  constexpr std::string_view placeholder = "\"data of the page\"";
+  const std::size_t at = viewer_template.find(placeholder);
+  if (at == std::string_view::npos) throw std::logic_error("the viewer has no place for its data");
+  data.update({{"title", arguments_.title},
+               {"unit", arguments_.unit},
+               {"format", page_format},
+               {"version", LIMBER_VERSION},
+               {"made_at", time_of_day()},
+               {"command", arguments_.command_line}});
+  std::string filled(viewer_template.substr(0, at));
+  for (const char c : to_line(data)) {
+    if (c == '<') {
+      filled += "\\u003c";  // no name of a file ends the script that the data stands in
+    } else {
+      filled += c;
+    }
   }
-  file_.write(filled_page(std::move(data), arguments_.command_line));
-}
-
-std::string shown_name(const std::string& argument) {
-  return is_scene(argument) ? argument : std::filesystem::path(argument).filename().string();
+  file_.write(filled.append(viewer_template.substr(at + placeholder.size())));
 }
 
 }  // namespace limber::program

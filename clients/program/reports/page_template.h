@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -23,13 +20,7 @@ extern const std::string_view viewer_template;
 
 /// What the data consist of. The page says which it reads, in clients/pages/build.mjs; both are raised when what
 /// clients/pages/viewer/data.ts names changes.
-inline constexpr int page_format = 2;
-
-/// The page with its data in place: answers in rows, as Study and Replay give them. The program's version, the time and
-/// the command line are added.
-///
-/// Pre      All numbers are finite.
-std::string filled_page(Json data, const std::string& command_line);
+inline constexpr int page_format = 3;
 
 /// `--report`: where to, and what the page says about itself and its making.
 struct ReportArguments {
@@ -42,27 +33,19 @@ struct ReportArguments {
 CLI::Option* add_report(CLI::App& command, ReportArguments& arguments, const std::string& description);
 
 /// The file of a report. It is opened before the models are asked, so that a path that cannot be written is told at
-/// once.
+/// once. The page has its data in place: answers in rows, as Study and Replay give them, with the program's version,
+/// the time and the command line.
 class ReportFile {
  public:
   /// Errors   BadInput as OutputFile, and where the path is "-".
   explicit ReportFile(const ReportArguments& arguments);
 
-  /// Fills the page and writes it. It names all inputs() of the run, with size and SHA-256: of those that were there
-  /// when this was made, as they were then.
-  ///
-  /// Errors   OutputFailed.
+  /// Errors   OutputFailed. Pre: all numbers are finite.
   void write(Json data);
 
  private:
-  void describe_inputs();
-
   ReportArguments arguments_;
   OutputFile file_;
-  std::map<std::filesystem::path, std::optional<Json>> inputs_;
 };
-
-/// A name of a model as a page shows it: without its folders.
-std::string shown_name(const std::string& argument);
 
 }  // namespace limber::program

@@ -9,10 +9,8 @@
 #include <utility>
 
 #include "command/text.h"
-#include "formats/position_frames.h"
 #include "limber/contacts.h"
 #include "reports/page_data.h"
-#include "reports/page_template.h"
 
 namespace limber::program {
 namespace {
@@ -48,7 +46,7 @@ Json json_of_model(const std::string& file, const RigidModel& model) {
           {"triangles", mesh.triangles().size()},
           {"vertices", mesh.positions().size()},
           {"faces", model.face_count()},
-          {"closed", model.is_closed()},
+          {"closed", static_cast<bool>(model.surface())},
           {"low", to_json(model.box().low)},
           {"high", to_json(model.box().high)},
           {"positions", quantized(triangles.in_order(MeshView(mesh).positions))},
@@ -136,6 +134,20 @@ Json Study::to_json() {
     append_row(json["parts"],
                {{"name", part.name}, {"file", part.file}, {"model", number}, {"poses", poses_json(pose)}}, part_names);
   }
+  return json;
+}
+
+Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
+                     const DistanceAnswer& answer) {
+  const PlacedModel a = pair.a(), b = pair.b();
+  Study study(StudyKind::pair, question,
+              {{shown_name(arguments.a), arguments.a, &a.model, a.pose},
+               {shown_name(arguments.b), arguments.b, &b.model, b.pose}});
+  study.add(0, {0, 1}, answer, std::nullopt);
+  Json json = study.to_json(), &extra = json["pair"];
+  append_work(extra, answer.result.stats, pair.build_us(), answer.elapsed_us);
+  const bool meet = answer.result.status == DistanceStatus::collision;
+  extra["intersections"] = meet ? visit_intersections(a, b, [](const TrianglePair&) { return true; }).count : 0;
   return json;
 }
 

@@ -10,30 +10,11 @@
 
 #include "answers/answers.h"
 #include "answers/models.h"
+#include "answers/parts.h"
 #include "command/output.h"
 
 /// The page of `limber distance --report`, `--pairs --report` and `--parts --report`.
 namespace limber::program {
-
-/// A model where it stands. The model must outlive it.
-struct StudyPart {
-  std::string name;  ///< as the page shows it
-  std::string file;  ///< as on the command line
-  const RigidModel* model = nullptr;
-  Transform pose;  ///< world_from_model
-
-  PlacedModel placed() const { return {*model, pose}; }
-};
-
-/// Two of the parts, by their numbers.
-using PartPair = std::array<std::size_t, 2>;
-
-/// Whose pairs a study is about.
-enum class StudyKind {
-  pair,   ///< one pair alone
-  pairs,  ///< those of a list, such as one pair of models in many poses
-  parts,  ///< all pairs of parts that stand together
-};
 
 /// Gathers the answers to many pairs. The page has each model once, and of each answer all digits. It has room for the
 /// worst `most_rows` answers, and says how many there were of each kind.
@@ -67,5 +48,9 @@ class Study {
   std::size_t accepted_ = 0, too_close_ = 0;  // the latter without accepted ones
   std::size_t triangle_bytes_ = 0;            // of the triangles that intersect
 };
+
+/// All that the page about one pair shows: the answer, both meshes, and the triangles that intersect.
+Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
+                     const DistanceAnswer& answer);
 
 }  // namespace limber::program

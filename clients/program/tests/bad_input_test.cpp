@@ -13,29 +13,21 @@
 namespace limber::program_tests {
 namespace {
 
-/// What is typed after a start that all have in common, and what is said about it.
-using Refusals = std::vector<std::pair<std::string, std::string>>;
-
-void expect_all_refused(const std::string& start, const Refusals& refusals) {
-  for (const auto& [rest, part] : refusals) expect_refused(start + rest, part);
-}
-
 const std::string of_balls = "scene:ball scene:ball ", tracked_balls = "track --a scene:ball --b scene:ball ";
 const std::string not_negative = "must be a finite number >= 0";
 
 TEST(ProgramBadInput, VerbsAndOptions) {
   expect_all_refused(
-      "", {{"",
-            "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, demo, "
-            "help, version"},
-           {"measure", "'measure' is no verb; there are info, distance, collide, within"},
-           {"--jason", "'--jason' is no option"},
-           {"--json distance " + of_balls, "distance: '--json' stands before the verb"},
-           {"'measure\nfoo'", "'measure foo' is no verb"},
-           {"info", "info: M is required"},
-           {"collide " + of_balls + "--relative-error 1", "'--relative-error' is no option\n"},
-           {"track --a scene:ball", "track: --b is required"},
-           {"within " + of_balls, "within: --max-distance is required"}});
+      "",
+      {{"", "a verb is missing; there are info, distance, collide, within, contacts, self, points, track, demo, help"},
+       {"measure", "'measure' is no verb; there are info, distance, collide, within"},
+       {"--jason", "'--jason' is no option"},
+       {"--json distance " + of_balls, "distance: '--json' stands before the verb"},
+       {"'measure\nfoo'", "'measure foo' is no verb"},
+       {"info", "info: M is required"},
+       {"collide " + of_balls + "--relative-error 1", "'--relative-error' is no option\n"},
+       {"track --a scene:ball", "track: --b is required"},
+       {"within " + of_balls, "within: --max-distance is required"}});
   expect_all_refused("distance scene:ball ",
                      {{"", "distance: B is required"}, {"--pairs x.csv", "--pairs: leaves no room for A"}});
   expect_all_refused("distance " + of_balls,
@@ -68,19 +60,14 @@ TEST(ProgramBadInput, QuestionsAboutPairsOfTriangles) {
                                           {"--pose-a 0,0,0,1,0,0,0", "self: '--pose-a' is no option"}});
   expect_all_refused(tracked_balls, {{"--margin 1", "track: --margin: belongs to --contacts and --self"},
                                      {"--contacts --margin -1", "--margin: " + not_negative},
-                                     {"--contacts --engine classic", "track: --contacts: belongs to --engine fast"},
-                                     {"--self --engine classic", "track: --self: belongs to --engine fast"},
                                      {"--self", "track: --self: neither model deforms"}});
 }
 
-TEST(ProgramBadInput, QuestionsAboutMotion) {
+TEST(ProgramBadInput, QuestionsAboutPaths) {
   const Folder folder;
   const std::string two = folder.store("two.csv", "0,0,3,1,0,0,0\n0,0,9,1,0,0,0\n");
   const std::string one = folder.store("one.csv", "0,0,3,1,0,0,0\n");
   const std::string three = folder.store("three.csv", text_of(two) + "0,0,3,1,0,0,0\n");
-  expect_all_refused(tracked_balls, {{"--continuous", "track: --continuous: there is one frame alone"},
-                                     {"--continuous --engine classic", "--continuous: belongs to --engine fast"},
-                                     {"--ignore-crossings --poses-a " + two, "--continuous"}});
   for (const std::string verb : {"collide ", "distance ", "within --max-distance 1 "}) {
     expect_all_refused(verb + of_balls,
                        {{"--path-a " + one, "one.csv has one pose, and a path two or more"},
@@ -132,17 +119,9 @@ TEST(ProgramBadInput, Numbers) {
   expect_all_refused("distance " + of_balls, {{"--absolute-error -1", "--absolute-error: " + not_negative},
                                               {"--max-distance -1", "--max-distance: must be a number >= 0"},
                                               {"--max-distance nan", "--max-distance: must be a number >= 0"}});
-  expect_all_refused(tracked_balls, {{"--mode depth", "--mode: must be one of immediate|batched|by-depth"},
-                                     {"--mode batched", "--mode: belongs to --engine classic"},
-                                     {"--stale-ratio 2", "--stale-ratio: belongs to --engine classic"},
-                                     {"--stale-ratio 0.9", "--stale-ratio: must be a number from 1"},
-                                     {"--stale-ratio nan", "--stale-ratio: must be a number from 1"},
-                                     {"--motion-margin auto", "--motion-margin: " + not_negative},
-                                     {"--engine classic --extra-radius 1e9", "--extra-radius: must be a number from 0"},
-                                     {"--engine classic --extra-radius auto", "--extra-radius: must be a number from"},
-                                     {"--engine reference", "--engine: must be one of fast|classic"},
-                                     {"--loop 0", "--loop: must be a whole number from 1"},
-                                     {"--loop 1.5", "--loop: must be a whole number from 1"}});
+  expect_all_refused(tracked_balls, {{"--motion-margin auto", "--motion-margin: " + not_negative},
+                                     {"--engine fast", "'--engine' is no option"},
+                                     {"--max-report-mb 1.5", "--max-report-mb: must be a whole number from 1"}});
   expect_all_refused("demo ", {{"--frames 0", "--frames: must be a whole number from 1"},
                                {"--frames 99999999999999999999", "--frames: must be a whole number from 1"},
                                {"--seed -1", "--seed: must be a whole number from 0"}});
@@ -178,7 +157,6 @@ TEST(ProgramBadInput, Models) {
                           {"huge.obj", "v 0 0 1e70\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
                           {"noise.stl", "\x01\x02\x03"}};
   for (const auto& [name, text] : files) expect_refused("info " + folder.store(name, text), name);
-  expect_refused("distance scene:ball scene:wave:x", "wave:x");
 }
 
 /// What is said of a file, by the text in it.
@@ -255,13 +233,28 @@ TEST(ProgramBadInput, FilesOfPoints) {
                  "belongs to no other triangle");
 }
 
+TEST(ProgramBadInput, FilesOfParts) {
+  expect_files_refused(
+      "distance --parts ", "parts.csv",
+      {{"name\nx\n", "line 1: there is no column model"},
+       {"model\nscene:ball\n", "has one part alone"},
+       {"model\nscene:ball\nnowhere.obj\n", "line 3: column model: nowhere.obj"},
+       {"model,pose_qw\nscene:ball,1\nscene:ball,\n", "line 2: column pose_qx: is empty"},
+       {"model,pose_tx\nscene:ball,far\nscene:ball,\n", "line 2: column pose_tx: 'far' is not a number"},
+       {"model,pose_tyy\nscene:ball,1\n", "line 1: no column is called 'pose_tyy'; did you mean pose_ty?"},
+       {"model,ty\nscene:ball,1\n", "line 1: no column is called 'ty'; did you mean pose_ty?"}});
+  expect_all_refused("distance --parts x.csv ", {{"--pairs x.csv", "--pairs: leaves no room for --parts"},
+                                                 {"scene:ball", "--parts: leaves no room for A"}});
+}
+
 TEST(ProgramBadInput, Tracks) {
   const Folder folder;
-  const std::string two_waves = "track --a scene:wave:0 scene:wave:1 --b ";
-  expect_refused(two_waves + "scene:wave:0 scene:wave:1 scene:wave:2", "--a has 2 frames, but --b has 3");
-  const std::string three = folder.store("three.csv", "0,0,3,1,0,0,0\n0,0,3,1,0,0,0\n0,0,3,1,0,0,0\n");
-  expect_refused(two_waves + "scene:ball --poses-b " + three, "--a has 2 frames, but --poses-b has 3");
-  expect_refused("track --a scene:wave:0 " + folder.path("x.obj") + " --b scene:ball", "not both");
+  const std::string frame = folder.store("frame.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") + ' ';
+  const std::string pose = "0,0,3,1,0,0,0\n", three = folder.store("three.csv", pose + pose + pose);
+  expect_all_refused("track --a " + frame + frame + "--b ",
+                     {{frame + frame + frame, "--a has 2 frames, but --b has 3"},
+                      {"scene:ball --poses-b " + three, "--a has 2 frames, but --poses-b has 3"},
+                      {frame + "scene:ball", "scene:ball: a built-in mesh is no frame of a sequence"}});
 }
 
 TEST(ProgramBadInput, PosesThatAreNoRegularFiles) {

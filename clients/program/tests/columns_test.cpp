@@ -13,19 +13,14 @@ namespace {
 const std::string witness_columns =
     "point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,triangle_a,triangle_b,face_a,face_b";
 const std::string of_pair =
-    "triangle_a,triangle_b,distance,depth,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,normal_x,normal_"
-    "y,"
-    "normal_z,normal_side,feature_a,feature_b,face_a,face_b";
+    "triangle_a,triangle_b,distance,depth,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,normal_x,"
+    "normal_y,normal_z,normal_side,feature_a,feature_b,face_a,face_b";
 const std::string of_answer = "status,lower,upper," + witness_columns +
                               ",too_close,inside,clash,solids,depth,accepted,query_us,node_tests,primitive_tests";
 const std::string of_frame = "frame,update_us,query_us,status,lower,upper," + witness_columns +
                              ",moved_vertices,refits,absorbed,node_tests,primitive_tests";
 const std::string of_point =
     "row,x,y,z,distance,closest_x,closest_y,closest_z,triangle,face,feature,weight_0,weight_1,weight_2";
-const std::string of_impact =
-    "query_us,status,lower,upper,triangle_a,triangle_b,point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,"
-    "normal_x,normal_y,normal_z,feature_a,feature_b,face_a,face_b";
-
 /// Each column with something before its name.
 std::string prefixed(const std::string& prefix, std::string columns) {
   for (std::size_t at = 0; at != std::string::npos; at = columns.find(',', at + prefix.size())) {
@@ -51,24 +46,20 @@ TEST(ProgramColumns, AreThoseOfCsvOfJsonAndOfHelp) {
   const std::string pairs = soups.folder.store("pairs.csv", "model_a,model_b\nscene:ball,scene:ball\n");
   const std::string parts = soups.folder.store("parts.csv", "model,pose_tx\nscene:ball,0\nscene:ball,3\n");
   const std::string contacts = "contacts" + soups.files();
-  const std::string track = "track --a scene:wave:0 scene:wave:1 --b scene:ball ";
+  const std::string track = "track --a " + soups.file_a + ' ' + soups.file_a + " --b scene:ball ";
   const std::string of_contacts = "query_us,count,intersecting," + of_pair;
   for (const auto& [line, columns, verb] : std::vector<Answer>{
            {contacts + "--margin 0.1 --out -", of_pair, "contacts"},
-           {contacts + "--margin 0.1 --regions --out -", of_pair + ",region", ""},
            {contacts + "--intersections --out -", "triangle_a,triangle_b,face_a,face_b", "self"},
            {"self scene:ball --closest 1 --out -", of_pair, "self"},
            {"points scene:ball " + points, of_point, ""},
-           {"points scene:ball " + points + " --signed --generalized-winding-number",
-            of_point + ",is_inside,generalized_winding_number", "points"},
+           {"points scene:ball " + points + " --signed", of_point + ",is_inside", "points"},
            {"distance --pairs " + pairs, "row,model_a,model_b," + of_answer, "distance"},
            {"distance --parts " + parts, "row,part_a,part_b,name_a,name_b," + of_answer, ""},
            {track, of_frame, ""},
            {"track --a scene:ball --b scene:ball --depth --min-clearance 1", of_frame + ",too_close,depth", ""},
-           {track + "--contacts --self --continuous",
-            of_frame + prefixed("contact_", of_contacts) + prefixed("self_a_", of_contacts) +
-                prefixed("impact_", of_impact) + prefixed("impact_self_a_", of_impact),
-            ""}}) {
+           {track + "--contacts --self",
+            of_frame + prefixed("contact_", of_contacts) + prefixed("self_a_", of_contacts), ""}}) {
     SCOPED_TRACE(line);
     const Outcome outcome = run(line);
     EXPECT_EQ(lines_of(outcome.out).at(0), columns);
@@ -100,7 +91,6 @@ TEST(ProgramColumns, OfOneAnswerAreFields) {
            {"within --max-distance 1" + two, "inside is_yes max_distance witness"},
            {"contacts --margin 0" + two, "closest count inside intersecting margin pairs"},
            {"contacts --intersections" + two, "closest count inside intersecting margin pairs"},
-           {"contacts --margin 0 --regions" + two, "closest count inside intersecting margin pairs regions"},
            {"self scene:ball", "closest count distance intersecting is_yes margin pairs"}}) {
     const nlohmann::json json = json_of(line);
     EXPECT_EQ(keys_of(json), sorted(work + fields)) << line;

@@ -10,8 +10,7 @@
 namespace limber::program_tests {
 namespace {
 
-const Words verbs = {"info",   "distance", "collide", "within", "contacts", "self",
-                     "points", "track",    "demo",    "help",   "version"};
+const Words verbs = {"info", "distance", "collide", "within", "contacts", "self", "points", "track", "demo", "help"};
 
 TEST(ProgramHelp, IsTheSameWhicheverWayItIsAskedFor) {
   const std::string help = answer_to("--help");
@@ -36,32 +35,29 @@ TEST(ProgramHelp, TellsExitCodesAndFitsIntoATerminal) {
   }
 }
 
-TEST(ProgramHelp, IsAManualPageTooWithTheSectionsOfOne) {
+TEST(ProgramHelp, IsAManualPageToo) {
   const std::string page = answer_to("help --man");
-  const std::regex request("[.](TH|SH|SS|nf|in|br)( .*)?");
-  std::string sections, verb_sections;
+  const std::regex request("[.](TH|SH|nf|in)( .*)?");
   for (const std::string& line : lines_of(page)) {
     EXPECT_TRUE(std::all_of(line.begin(), line.end(), [](char c) { return c >= ' ' && c <= '~'; })) << line;
     EXPECT_TRUE(!line.starts_with('.') || std::regex_match(line, request)) << line;
-    if (line.starts_with(".SH ")) sections += line.substr(4) + '\n';
-    if (line.starts_with(".SS ")) verb_sections += line.substr(4) + '\n';
   }
-  EXPECT_EQ(sections, "NAME\nSYNOPSIS\nDESCRIPTION\nOPTIONS\nVERBS\nEXIT STATUS\nEXAMPLES\nHELP OF EACH VERB\n");
+  for (const std::string section : {"NAME", "SYNOPSIS", "DESCRIPTION"}) {
+    EXPECT_NE(page.find("\n.SH " + section + '\n'), std::string::npos) << section;
+  }
   for (const std::string& verb : verbs) {
-    EXPECT_NE(page.find("\n.br\nlimber " + verb + " [OPTIONS]"), std::string::npos) << verb;
-    EXPECT_NE(verb_sections.find(verb + '\n'), std::string::npos) << verb;
     std::string help = answer_to("help " + verb);
     for (std::size_t at = 0; (at = help.find('-', at)) != std::string::npos; at += 2) help.insert(at, "\\");
-    EXPECT_NE(page.find(".SS " + verb + "\n.nf\n.in 0\n" + help), std::string::npos) << verb;
+    EXPECT_NE(page.find(".SH limber " + verb + "\n.nf\n.in 0\n" + help), std::string::npos) << verb;
   }
   expect_refused("help --man info", "limber: help: --man: leaves no room for VERB\n");
 }
 
-TEST(ProgramVersion, IsTheSameWhicheverWayItIsAskedFor) {
-  const std::string version = answer_to("version");
+TEST(ProgramVersion, IsOneLine) {
+  const std::string version = answer_to("--version");
   EXPECT_EQ(version.find("limber "), 0U) << version;
   EXPECT_EQ(lines_of(version).size(), 1U);
-  for (const std::string option : {"--version", "-v", "-V"}) EXPECT_EQ(answer_to(option), version) << option;
+  EXPECT_EQ(answer_to("-v"), version);
 }
 
 }  // namespace

@@ -17,6 +17,16 @@ namespace limber::program_tests {
 /// x >= y.
 inline Mesh two_triangles() { return scenes::grid(1, 1, -1, -1, 2, 2); }
 
+/// A frame of a sheet of nx * ny squares that waves over [0, 4] x [0, 4 ny / nx].
+inline Mesh wave_sheet(std::uint32_t nx, std::uint32_t ny, double frame) {
+  const double height = 4.0 * ny / nx, phase = 0.37 * frame;
+  Mesh sheet = scenes::grid(nx, ny, 0, 0, 4.0 / nx, height / ny);
+  std::vector<Vec3> positions = sheet.positions();
+  for (Vec3& p : positions) p.z = 0.1 * scenes::sine(4 * p.x + phase) * scenes::cosine(5 * p.y - 0.7 * phase);
+  sheet.set_positions(positions).value();
+  return sheet;
+}
+
 /// A mesh that is put together from parts.
 struct Parts {
   std::vector<Vec3> positions;
@@ -77,6 +87,22 @@ inline Mesh folded_strip(double z_3, double z_4) {
   return strip;
 }
 
+/// Triangles without common vertices: around random places in the cube [-1, 1]^3, in cubes of edge `size`.
+inline Mesh random_soup(scenes::Rng& rng, std::uint32_t triangles, double size) {
+  const auto point_in = [&rng](double low, double high) {
+    Vec3 point;
+    for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rng.uniform(low, high);
+    return point;
+  };
+  Parts soup;
+  for (std::uint32_t i = 0; i < triangles; ++i) {
+    const Vec3 place = point_in(-1, 1);
+    for (int k = 0; k < 3; ++k) soup.positions.push_back(place + point_in(-size / 2, size / 2));
+    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return Mesh::create(std::move(soup.positions), std::move(soup.triangles)).value();
+}
+
 /// Two soups at the same place, and their files.
 struct Soups {
   Folder folder;
@@ -86,8 +112,8 @@ struct Soups {
 
   Soups(std::uint64_t seed, double size)
       : rng(seed),
-        a(scenes::random_soup(rng, 60, size)),
-        b(scenes::random_soup(rng, 50, size)),
+        a(random_soup(rng, 60, size)),
+        b(random_soup(rng, 50, size)),
         file_a(folder.store("a.obj", a)),
         file_b(folder.store("b.obj", b)) {}
 

@@ -46,8 +46,6 @@ nlohmann::json json_of(const std::string& line) {
   return json;
 }
 
-nlohmann::json object_of(const std::string& line) { return json_lines_of(run(line + " --json")).at(0); }
-
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome) {
   std::vector<nlohmann::json> rows;
   for (const std::string& line : lines_of(outcome.out)) rows.push_back(nlohmann::json::parse(line));
@@ -69,6 +67,10 @@ void expect_refused(const std::string& line, const std::string& part_of_the_erro
   EXPECT_EQ(outcome.err.find("limber: "), 0U) << outcome.err;
   EXPECT_EQ(outcome.err.back(), '\n');
   EXPECT_NE(outcome.err.find(part_of_the_error), std::string::npos) << outcome.err;
+}
+
+void expect_all_refused(const std::string& start, const Refusals& refusals) {
+  for (const auto& [rest, part] : refusals) expect_refused(start + rest, part);
 }
 
 std::string text_of(const std::string& file) {
@@ -131,7 +133,7 @@ void expect_same(const Row& row, const nlohmann::json& json, const std::string& 
     SCOPED_TRACE(prefix + key);
     const std::string name = prefix + key;
     if (value.is_object()) {
-      const bool has_no_name = key == "witness" || key == "pair" || key == "touch" || key == "closest";
+      const bool has_no_name = key == "witness" || key == "pair" || key == "closest";
       expect_same(row, value, has_no_name ? prefix : name + '_');
     } else if (value.is_array()) {
       const auto found = names_of_three.find(key);
@@ -175,6 +177,17 @@ std::string Folder::store(const std::string& name, MeshView mesh) const {
   for (const Vec3& p : mesh.positions) text << "v " << p.x << ' ' << p.y << ' ' << p.z << '\n';
   for (const Corners& c : mesh.triangles) text << "f " << c[0] + 1 << ' ' << c[1] + 1 << ' ' << c[2] + 1 << '\n';
   return store(name, text.str());
+}
+
+Report::Report(const std::string& line) {
+  const std::string path = folder.path("page.html");
+  outcome = run(line + " --report " + path);
+  EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 3) << line << '\n' << outcome.err;
+  page = text_of(path);
+  const std::string start = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t begin = page.find(start) + start.size();
+  data = nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin), nullptr, false);
+  EXPECT_TRUE(data.is_object()) << page.substr(begin, 100);
 }
 
 }  // namespace limber::program_tests

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "formats/scenes.h"
@@ -37,9 +38,6 @@ std::string answer_to(const std::string& line);
 /// The one line of JSON that such a run prints; fails the test on anything else. The line is run with --json.
 nlohmann::json json_of(const std::string& line);
 
-/// The same, whatever the exit code and the warnings.
-nlohmann::json object_of(const std::string& line);
-
 /// The objects of an answer with one in each line, whatever the exit code.
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome);
 
@@ -48,6 +46,10 @@ std::vector<nlohmann::json> json_rows_of(const std::string& line);
 
 /// Everything that may be typed wrongly must end with exit code 2, one line that names the place, and no answer.
 void expect_refused(const std::string& line, const std::string& part_of_the_error);
+
+/// What is typed after a start that all have in common, and what is said about it.
+using Refusals = std::vector<std::pair<std::string, std::string>>;
+void expect_all_refused(const std::string& start, const Refusals& refusals);
 
 /// The text of a file; empty where there is none.
 std::string text_of(const std::string& file);
@@ -88,6 +90,18 @@ class Folder {
 
  private:
   std::filesystem::path path_;
+};
+
+/// A run that must succeed, and the page that it has written. What stands in the page as bytes, meshes and poses, is
+/// looked at by clients/pages/tests/data.test.mjs.
+struct Report {
+  Folder folder;
+  Outcome outcome;
+  std::string page;
+  nlohmann::json data;
+
+  /// Completes the line by `--report` and the path.
+  explicit Report(const std::string& line);
 };
 
 /// A point that the program has written as three numbers.

@@ -4,21 +4,21 @@
 
 #include <array>
 #include <map>
+#include <tuple>
 
 #include "contact_meshes.h"
 #include "formats/scenes.h"
-#include "page_decoding.h"
 #include "run_program.h"
 
 namespace limber::program_tests {
 namespace {
 
-/// A waving sheet of 128 triangles in frames 0 to `count` - 1; its edge along x = 0 stands still where `is_partial`.
+/// The files of a waving sheet of 128 triangles in frames 0 to `count` - 1; half of it stands still if it `is_partial`.
 Words stored_waves(const Folder& folder, std::uint32_t count, bool is_partial = false) {
   Words files;
+  const Mesh still = wave_sheet(8, 8, 0);
   for (std::uint32_t f = 0; f < count; ++f) {
-    const Mesh still = scenes::wave_sheet(8, 8, 0);
-    Mesh sheet = scenes::wave_sheet(8, 8, f);
+    Mesh sheet = wave_sheet(8, 8, f);
     for (VertexId v = 0; is_partial && v < sheet.positions().size(); ++v) {
       if (sheet.positions()[v].x < 2) sheet.set_position(v, still.positions()[v]).value();
     }
@@ -32,20 +32,6 @@ std::string below_ball(const Folder& folder, const Words& frames) {
   return "track --a " + joined(frames) + " --b scene:ball --poses-b " + folder.store("pose.csv", "2,2,1.5,1,0,0,0\n");
 }
 
-TEST(ProgramTrack, PrintsOneRowPerFrame) {
-  const Folder folder;
-  const std::string line = below_ball(folder, stored_waves(folder, 3));
-  const std::vector<Row> rows = table_of(answer_to(line)),
-                         classic_rows = table_of(answer_to(line + " --engine classic"));
-  ASSERT_EQ(rows.size(), 3U);
-  for (std::size_t f = 0; f < rows.size(); ++f) EXPECT_EQ(rows[f].at("frame"), std::to_string(f));
-  EXPECT_EQ(rows[0].at("moved_vertices"), "0");
-  EXPECT_EQ(rows[1].at("moved_vertices"), "81");
-  EXPECT_EQ(rows[1].at("refits"), "4");  // 8-nodes: two above leaves, and their ancestors
-  EXPECT_EQ(classic_rows[1].at("refits"), "255");
-  EXPECT_NEAR(number(rows[1].at("upper")), number(classic_rows[1].at("upper")), 1e-14);
-}
-
 TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   const Folder folder;
   const Words waves = stored_waves(folder, 4);
@@ -53,6 +39,8 @@ TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
   ASSERT_EQ(rows.size(), 4U);
   for (std::size_t f = 0; f < rows.size(); ++f) {
     const nlohmann::json still = json_of("distance " + waves[f] + " scene:ball --pose-b 2,2,1.5,1,0,0,0");
+    EXPECT_EQ(rows[f]["frame"], f);
+    EXPECT_EQ(rows[f]["moved_vertices"], f == 0 ? 0 : 81);
     EXPECT_DOUBLE_EQ(rows[f]["upper"].get<double>(), still["upper"].get<double>()) << f;
     // Of triangles that share the closest point, another may come first.
     for (const char* const point : {"point_a", "point_b"}) {
@@ -60,82 +48,50 @@ TEST(ProgramTrack, FramesGiveTheDistancesOfStillModels) {
       EXPECT_LE(max_abs(off), 1e-14);
     }
   }
+  EXPECT_EQ(rows[1]["refits"], 4);  // 8-nodes: two above leaves, and their ancestors
 }
 
-TEST(ProgramTrack, UpkeepDoesDifferentWorkForTheSameDistances) {
+TEST(ProgramTrack, AMotionMarginAbsorbsMovesAndKeepsTheDistances) {
   const Folder folder;
   const std::string line = below_ball(folder, stored_waves(folder, 4, true));
-  const auto tight = json_rows_of(line);
-  std::uint64_t refits_before = 0;
-  for (const std::string options : {"--mode by-depth", "--mode batched", "--mode immediate"}) {  // least work first
-    const auto found = json_rows_of(line + " --engine classic " + options);
-    EXPECT_LT(found[1]["moved_vertices"], 81);
-    EXPECT_GT(found[1]["refits"].get<std::uint64_t>(), refits_before) << options;
-    refits_before = found[1]["refits"];
-    for (std::size_t f = 0; f < 4; ++f) EXPECT_NEAR(found[f]["upper"].get<double>(), tight[f]["upper"], 1e-14);
-  }
-  for (const std::string loose : {"--motion-margin 0.5", "--engine classic --extra-radius 0.3 --stale-ratio 3"}) {
-    const auto found = json_rows_of(line + ' ' + loose);
-    std::uint64_t absorbed = 0;
-    for (std::size_t f = 0; f < 4; ++f) {
-      EXPECT_NEAR(found[f]["upper"].get<double>(), tight[f]["upper"], 1e-14);
-      absorbed += found[f]["absorbed"].get<std::uint64_t>();
-    }
-    EXPECT_GT(absorbed, 0U) << loose;
-  }
-}
-
-TEST(ProgramTrack, PosesMoveRigidModels) {
-  const Folder folder;
-  const std::string poses = folder.store("poses.csv",
-                                         "tx,ty,tz,qw,qx,qy,qz\r\n# closer and closer\r\n0,0,4,1,0,0,0\r\n\r\n"
-                                         "0,0,3,1,0,0,0\r\n 0, 0, 1.5, 1, 0, 0, 0\r\n0,0,0.5,1,0,0,0");
-  const auto rows = table_of(answer_to("track --a scene:ball --b scene:square --poses-a " + poses));
-  ASSERT_EQ(rows.size(), 4U);
-  const double distances[] = {3, 2, 0.5, 0};
+  const auto tight = json_rows_of(line), loose = json_rows_of(line + " --motion-margin 0.5");
+  EXPECT_LT(tight[1]["moved_vertices"], 81);
+  std::uint64_t absorbed = 0;
   for (std::size_t f = 0; f < 4; ++f) {
-    EXPECT_EQ(number(rows[f].at("upper")), distances[f]);
-    EXPECT_EQ(rows[f].at("moved_vertices"), "0");
+    EXPECT_NEAR(loose[f]["upper"].get<double>(), tight[f]["upper"], 1e-14);
+    absorbed += loose[f]["absorbed"].get<std::uint64_t>();
   }
-  EXPECT_EQ(rows[1].at("point_a_z"), "2");
-  EXPECT_EQ(rows[3].at("status"), "collision");
+  EXPECT_GT(absorbed, 0U);
 }
 
-TEST(ProgramTrack, TellsWhetherAClearanceIsKept) {
+TEST(ProgramTrack, PosesMoveRigidModelsAndAClearanceIsKeptOrNot) {
   const Folder folder;
-  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,3,1,0,0,0\n0,0,1.5,1,0,0,0\n");
-  const std::string line = "track --a scene:ball --b scene:square --poses-a " + poses;
-  const auto expect_marks = [&](const std::string& options, const std::string& marks, int exit_code) {
+  const std::string line = "track --a scene:ball --b scene:square --poses-a " +
+                           folder.store("poses.csv",
+                                        "tx,ty,tz,qw,qx,qy,qz\r\n# closer and closer\r\n0,0,4,1,0,0,0\r\n\r\n"
+                                        "0,0,3,1,0,0,0\r\n 0, 0, 1.5, 1, 0, 0, 0\r\n0,0,0.5,1,0,0,0");
+  for (const auto& [options, marks, exit_code] :
+       {std::tuple{" --min-clearance 0.25", "false false false true ", 3},  // distances are 3, 2, 0.5 and 0
+        {" --min-clearance 2", "false false true true ", 3},
+        {" --min-clearance 2.5 --max-distance 2.5", "false true true true ", 3},
+        // Errors that are allowed do not decide.
+        {" --min-clearance 2 --relative-error 1", "false false true true ", 3},
+        {" --min-clearance 2 --absolute-error 1", "false false true true ", 3}}) {
     const Outcome outcome = run(line + options);
     std::string found;
     for (const Row& row : table_of(outcome.out)) found += row.at("too_close") + ' ';
     EXPECT_EQ(found, marks) << options;
     EXPECT_EQ(outcome.exit_code, exit_code) << options;
-  };
-  expect_marks(" --min-clearance 0.5", "false false false ", 0);  // distances are 3, 2 and 0.5
-  expect_marks(" --min-clearance 2", "false false true ", 3);
-  expect_marks(" --min-clearance 2.5 --max-distance 2.5", "false true true ", 3);
-  // Errors that are allowed do not decide.
-  expect_marks(" --min-clearance 2 --relative-error 1", "false false true ", 3);
-  expect_marks(" --min-clearance 2 --engine classic --absolute-error 1", "false false true ", 3);
-  EXPECT_EQ(table_of(run(line).out).front().count("too_close"), 0U);
-  EXPECT_EQ(json_lines_of(run(line + " --min-clearance 2 --json"))[2]["too_close"], true);
+  }
+  const std::vector<Row> rows = table_of(answer_to(line));
+  ASSERT_EQ(rows.size(), 4U);
+  const double distances[] = {3, 2, 0.5, 0};
+  for (std::size_t f = 0; f < 4; ++f) EXPECT_EQ(number(rows[f].at("upper")), distances[f]);
+  EXPECT_EQ(rows[1].at("point_a_z"), "2");
+  EXPECT_EQ(rows[3].at("status"), "collision");
+  EXPECT_EQ(rows[0].count("too_close"), 0U);
   expect_refused(line + " --min-clearance 2 --max-distance 1", "--max-distance");
   expect_refused(line + " --min-clearance 0", "--min-clearance");
-}
-
-TEST(ProgramTrack, AClearanceIsBrokenBetweenFrames) {
-  const Folder folder;
-  const std::string poses = folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,-4,1,0,0,0\n0,0,-5,1,0,0,0\n");
-  const std::string line = "track --a scene:ball --b scene:square --poses-a " + poses + " --min-clearance 0.5 --json";
-  EXPECT_EQ(run(line).exit_code, 0);
-  const Outcome outcome = run(line + " --continuous");
-  EXPECT_EQ(outcome.exit_code, 3);
-  const std::vector<nlohmann::json> rows = json_lines_of(outcome);
-  ASSERT_EQ(rows.size(), 3U);
-  for (const auto& [frame, is_broken] : {std::pair(0, false), std::pair(1, true), std::pair(2, false)}) {
-    EXPECT_EQ(rows[static_cast<std::size_t>(frame)]["too_close"], is_broken) << frame;
-  }
 }
 
 TEST(ProgramTrack, TellsHowDeepClosedModelsAreInEachOther) {
@@ -166,7 +122,6 @@ TEST(ProgramTrack, TellsHowDeepClosedModelsAreInEachOther) {
     EXPECT_FALSE(without[f].contains("depth"));
   }
   expect_refused("track --a scene:ball --b scene:square --depth", "--depth: scene:square: the surface is not closed");
-  expect_refused("track --a scene:ball --b scene:ball --depth --engine classic", "--depth: belongs to --engine fast");
 }
 
 TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {
@@ -181,28 +136,13 @@ TEST(ProgramTrack, HeadersNameTheColumnsOfPosesInAnyOrder) {
   EXPECT_EQ(distance_with("\xEF\xBB\xBF\"tx\",ty,tz,qw,qx,qy,qz\n\"0\",0,3,1,0,0,0\n"), 2);
 }
 
-TEST(ProgramTrack, MaxDistanceLeavesCellsEmptyAndFieldsNull) {
+TEST(ProgramTrack, BothModelsMayDeform) {
   const Folder folder;
-  const std::string line = "track --a scene:ball --b scene:square --max-distance 1.5 --poses-a " +
-                           folder.store("poses.csv", "0,0,4,1,0,0,0\n0,0,1.032987,1,0,0,0\n");
-  const auto rows = table_of(answer_to(line));
-  const auto objects = json_rows_of(line);
+  const Words waves = stored_waves(folder, 4);
+  const auto rows = json_rows_of("track --a " + joined({waves[0], waves[1]}) + " --b " + joined({waves[2], waves[3]}));
   ASSERT_EQ(rows.size(), 2U);
-  EXPECT_EQ(rows[0].at("status"), "beyond_limit");
-  EXPECT_EQ(rows[0].at("lower"), "1.5");
-  EXPECT_EQ(rows[0].at("upper") + rows[0].at("point_a_x") + rows[0].at("face_b"), "");
-  EXPECT_TRUE(objects[0]["upper"].is_null() && objects[0]["witness"].is_null());
-  for (const nlohmann::json& object : objects) expect_same(rows[object["frame"]], object);
-}
-
-TEST(ProgramTrack, BothModelsMayDeformAndLoopsRepeatThem) {
-  const auto rows = json_rows_of("track --a scene:wave:0 scene:wave:1 --b scene:wave:5 scene:wave:6 --loop 2");
-  ASSERT_EQ(rows.size(), 4U);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    EXPECT_EQ(rows[r]["frame"], r);
-    EXPECT_EQ(rows[r]["upper"], rows[r % 2]["upper"]);
-    EXPECT_EQ(rows[r]["moved_vertices"], r == 0 ? 0 : 2 * 10201);
-  }
+  EXPECT_EQ(rows[1]["upper"], json_of("distance " + waves[1] + ' ' + waves[3])["upper"]);
+  EXPECT_EQ(rows[1]["moved_vertices"], 2 * 81);
 }
 
 TEST(ProgramTrack, PartsThatTouchInTheFirstFrameMayPart) {
@@ -227,7 +167,7 @@ TEST(ProgramTrack, ErrorsOfLaterFramesKeepEarlierRows) {
     EXPECT_EQ(lines_of(outcome.err).size(), 1U) << outcome.err;
     return outcome.err;
   };
-  const std::string error = error_with(folder.store("other.obj", scenes::wave_sheet(8, 9, 0)));
+  const std::string error = error_with(folder.store("other.obj", wave_sheet(8, 9, 0)));
   for (const char* part : {"limber: track: ", "frame 2", "144", "128", "90", "81"}) {
     EXPECT_NE(error.find(part), std::string::npos) << part << " in " << error;
   }

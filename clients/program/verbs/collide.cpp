@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "answers/answers.h"
-#include "command/options.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -17,7 +16,6 @@ namespace {
 struct CollideArguments {
   PairArguments pair;
   std::optional<double> max_distance;  // empty: the models have to meet
-  bool has_solids = false;
 };
 
 /// The answer. On a path it is yes at `path_time` first.
@@ -50,19 +48,8 @@ Nesting nesting_unless_they_meet(const CollideArguments& arguments, const Collid
   return may_meet && collide(pair.a(), pair.b()).is_yes() ? Nesting::none : nesting;
 }
 
-/// How the volumes lie to each other, at the start of a path.
-///
-/// Errors   BadInput unless both models are closed.
-SolidRelation solids_of(const CollideArguments& arguments, const Pair& pair) {
-  value_or_bad_input(pair.a().model.surface(), "--solids: " + arguments.pair.a + ": ");
-  value_or_bad_input(pair.b().model.surface(), "--solids: " + arguments.pair.b + ": ");
-  return solids_of(pair.a(), pair.b())->relation;
-}
-
 ExitCode run(const CollideArguments& arguments) {
   const Pair pair(arguments.pair);
-  std::optional<SolidRelation> solids;
-  if (arguments.has_solids) solids = solids_of(arguments, pair);
   const auto [result, elapsed_us, path_time] = answer_to(arguments, pair);
   const auto witness = with_faces(result.witness, pair.a().model, pair.b().model);
   const Nesting nesting = nesting_unless_they_meet(arguments, result, pair);
@@ -73,19 +60,17 @@ ExitCode run(const CollideArguments& arguments) {
     if (arguments.max_distance) json["max_distance"] = *arguments.max_distance;
     json["witness"] = to_json(witness);
     json["inside"] = to_json(nesting);
-    if (solids) json["solids"] = to_text(*solids);
     if (pair.path()) json["path_time"] = to_json(path_time);
     append_work(json, result.stats, pair.build_us(), elapsed_us);
     write(to_line(json));
   } else {
     write_line("{:<10}{}", fact, result.is_yes() ? "yes" : "no");
     if (arguments.max_distance) write_line("max distance {}", to_text(*arguments.max_distance));
-    if (solids) write_line("solids    {}", to_text(*solids));
     write_lines(witness);
     if (path_time) write_line("path time {}", to_text(*path_time));
     write_work_lines(result.stats, pair.build_us(), elapsed_us);
   }
-  if (!solids) warn_about(nesting, verb);
+  warn_about(nesting, verb);
   return arguments.pair.exit_code && result.is_yes() ? ExitCode::found : ExitCode::answered;
 }
 
@@ -95,14 +80,9 @@ Verb add_collide(CLI::App& app) {
   const auto arguments = std::make_shared<CollideArguments>();
   CLI::App& command = *app.add_subcommand("collide", "Whether two models meet, and where");
   add_pair_arguments(command, arguments->pair, "the models collide");
-  command.add_flag("--solids", arguments->has_solids, "also how the volumes of closed models lie to each other");
   command.footer(std::string(R"(
 Touching is meeting. Models are surfaces, not solids: one wholly inside the other does not meet it. Where a closed
-model has the other inside, a warning says so, and the field inside in JSON.
-
-With --solids, solids is one of apart, touching (flush, no common volume), overlapping (a clash: each reaches out of the
-other), a_inside_b, b_inside_a (enclosed, with or without contact) and equal. It is decided exactly, for models whose
-every edge belongs to two triangles that run through it in opposite directions.
+model has the other inside, a warning says so, and the field inside in JSON; limber distance tells how volumes lie.
 
 The witness is a point in the world frame, in the meshes' length unit, once as a point of A and once as a point of B.
 The triangles and the faces of the files that it lies on are counted from 0; the parts of a file that has several are
@@ -110,7 +90,7 @@ named. Times are in microseconds.
 
 With --path-a or --path-b the question is whether the models meet on the path, and path_time is when they first do:
 before, they are apart. Then they are closer than 2^-20 of the sum of their radii, so a path that passes as closely may
-count as one on which they meet. inside and solids are about the start.
+count as one on which they meet. inside is about the start.
 )") + path_help);
   return {&command, [arguments] { return run(*arguments); }};
 }
@@ -121,16 +101,10 @@ Verb add_within(CLI::App& app) {
   add_pair_arguments(command, arguments->pair, "the models are within the distance");
   add_number(command, "--max-distance", arguments->max_distance, not_negative,
              "the distance, in the meshes' length unit")
-      ->type_name("LENGTH")
       ->required();
   command.footer(std::string(R"(
 Stops at the first pair of points at most --max-distance apart, so it is faster than the distance itself. The witness
-is that pair, not the closest one: points in the world frame, in the meshes' length unit, with the triangles and the
-faces of the files that they lie on, all counted from 0; the parts of a file that has several are named. Times are in
-microseconds.
-
-Models are surfaces, not solids. Where a closed model has the other inside without touching it, a warning says so, and
-the field inside in JSON.
+is that pair, not the closest one; else it is as limber collide tells it, and so is what lies inside.
 
 With --path-a or --path-b path_time is when the models first are within the distance: before, they are farther apart.
 Then they may be farther apart by up to 2^-20 of the sum of their radii. inside is about the start of the path.

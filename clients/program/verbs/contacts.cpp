@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "answers/answers.h"
 #include "answers/contact_answers.h"
+#include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -18,9 +20,154 @@
 namespace limber::program {
 namespace {
 
+/// What the verbs about pairs of triangles share: which pairs are asked for, and where they are written.
+struct ContactArguments {
+  std::optional<double> margin;
+  bool intersections = false;
+  std::optional<std::uint64_t> closest;
+  std::string out;  // empty: no file
+  std::optional<std::uint64_t> max_count;
+  bool json = false;
+  bool exit_code = false;
+};
+
+constexpr std::uint64_t table_rows_unless_told = 10;
+constexpr std::uint64_t most_closest = 1'000'000;
+constexpr std::size_t csv_chunk_bytes = std::size_t{1} << 16U;
+
+/// Adds `count`, `intersecting` and `pairs`.
+void append_contacts(Json& json, const FoundContacts& found) {
+  json["count"] = found.count;
+  json["intersecting"] = found.intersecting_count;
+  Json& pairs = json["pairs"] = Json::array();
+  for (const FoundContact& contact : found.first) pairs.push_back(to_json(contact, found.detail));
+}
+
+/// How many pairs there are.
+void write_count_line(const FoundContacts& found) {
+  if (found.detail == ContactDetail::ids) return write_line("pairs     {}", found.count);
+  write_line("pairs     {}, {} of them at distance 0", found.count, found.intersecting_count);
+}
+
+/// At most `row_count` of the pairs, below a blank line and names of columns. Nothing where there is no row.
+void write_table(const FoundContacts& found, std::size_t row_count) {
+  row_count = std::min(row_count, found.first.size());
+  if (row_count == 0) return;
+  const char* const others = found.detail == ContactDetail::ids ? "" : "      distance         depth  features";
+  write_line("\ntriangle a  triangle b{}{}", others, found.has_parts ? "; parts" : "");
+  const auto name_of = [](const std::string* part) { return part != nullptr ? *part : "-"; };
+  for (std::size_t i = 0; i < row_count; ++i) {
+    const FoundContact& contact = found.first[i];
+    const std::string parts = "; " + name_of(contact.part_a) + ", " + name_of(contact.part_b);
+    const std::string more = found.detail == ContactDetail::ids
+                                 ? ""
+                                 : fmt::format("  {:>12.6g}  {:>12.6g}  {}, {}", contact.distance, contact.depth,
+                                               to_text(contact.feature_a), to_text(contact.feature_b));
+    write_line("{:>10}  {:>10}{}{}", contact.triangle_a, contact.triangle_b, more, found.has_parts ? parts : "");
+  }
+  if (row_count < found.count) write_line("and {} more", found.count - row_count);
+}
+
+void write_csv(OutputFile& out, const FoundContacts& found) {
+  const std::string part;
+  FoundContact sample;
+  if (found.has_parts) sample.part_a = sample.part_b = &part;
+  const AnswerColumns columns(to_json(sample, found.detail));
+  std::string text = columns.header();
+  for (const FoundContact& contact : found.first) {
+    text += columns.line(to_json(contact, found.detail));
+    if (text.size() < csv_chunk_bytes) continue;
+    out.write_rows(text);
+    text.clear();
+  }
+  out.write_rows(text);
+}
+
+/// Writes what a verb has found where its arguments say.
+class ContactOutput {
+ public:
+  /// Opens the CSV file, if there is one. Errors: BadInput as OutputFile.
+  explicit ContactOutput(const ContactArguments& arguments) : arguments_(arguments) {
+    if (!arguments.out.empty()) out_.emplace("--out", arguments.out);
+  }
+
+  /// How many pairs are written at most.
+  std::size_t room() const {
+    const bool is_all = out_ || arguments_.json;
+    return arguments_.max_count.value_or(is_all ? std::numeric_limits<std::size_t>::max() : table_rows_unless_told);
+  }
+
+  /// Writes the file, and an answer to standard output: the object that `json` makes, with the pairs; or what `lines`
+  /// writes, and a table.
+  void write(const FoundContacts& found, const auto& json, const auto& lines) {
+    if (out_) write_csv(*out_, found);
+    if (arguments_.out == "-") return;
+    if (arguments_.json) return program::write(to_line(json()));
+    lines();
+    write_table(found, arguments_.max_count.value_or(table_rows_unless_told));
+  }
+
+ private:
+  ContactArguments arguments_;
+  std::optional<OutputFile> out_;
+};
+
+/// Adds `--margin`, `--intersections`, `--closest`, `--out`, `--max-count`, `--json`, and `--exit-code` with what it
+/// tells.
+void add_contact_arguments(CLI::App& command, ContactArguments& arguments, const std::string& told) {
+  add_margin(command, arguments.margin, "all pairs at most that far apart; with 0 those that intersect");
+  command.add_flag("--intersections", arguments.intersections,
+                   "all pairs that intersect, by their ids alone: faster than --margin 0");
+  add_count(command, "--closest", arguments.closest, {1, most_closest}, "the K closest pairs")->type_name("K");
+  add_file(command, "--out", arguments.out, "FILE",
+           "where a row for each pair is written, as CSV; - for standard output, which then has nothing else");
+  add_count(command, "--max-count", arguments.max_count, {0, std::numeric_limits<std::uint32_t>::max()},
+            "how many pairs are written at most; without it 10 as text, all as CSV or JSON");
+  command.add_flag("--json", arguments.json, "answer with one JSON object");
+  add_exit_code(command, arguments.exit_code, told);
+}
+
+/// To be called once everything is parsed: at most one of the first three options may be given, and standard output is
+/// for one answer. Returns whether there is such a question.
+bool check_contact_arguments(const CLI::App& command) {
+  std::string question;
+  for (const std::string name : {"--margin", "--intersections", "--closest"}) {
+    if (command.get_option(name)->count() == 0) continue;
+    if (!question.empty()) throw CLI::ValidationError(question, "leaves no room for " + name);
+    question = name;
+  }
+  if (command.get_option("--json")->count() > 0 && command.get_option("--out")->count() > 0 &&
+      command.get_option("--out")->as<std::string>() == "-") {
+    throw CLI::ValidationError("--out", "leaves no room on standard output for --json");
+  }
+  return !question.empty();
+}
+
+/// The help about rows and columns.
+std::string contact_rows_help() {
+  return fmt::format(R"(The deepest pairs come first, then the nearest; ids decide where these are equal. distance is 0
+exactly where the triangles intersect. depth is then how far b has to move at least for the two triangles to part, and
+0 otherwise; it is no depth of the models, and vanishes as meshes are refined. The normal has length 1 and points from
+a to b. normal_side is outward where it points out of a and into b, as the faces of closed meshes say;
+inward where one triangle looks at the back of the other, so that the pair may lie inside a body; unknown where no mesh
+is closed, or the faces do not tell. point_a and point_b are closest points, and one point where the triangles
+intersect; lengths are in the meshes' unit. feature_a and feature_b are the parts of the triangles that
+these points lie on: "vertex 0" to "vertex 2"; "edge 0" to "edge 2", where edge 0 goes from vertex 0 to vertex 1; or
+"face". Triangles count from 0 in the file's order, after larger faces have been split into fans; face_a and face_b are
+the file's own, counted from 0. Where a file has several parts, part_a and part_b come last and name theirs. Times are
+in microseconds. Columns of CSV:
+
+{}
+
+With --intersections, {}. JSON has count, intersecting, which is the number of pairs at distance 0, and pairs, an array
+of objects with the names of the columns; point_a, point_b and normal are arrays of three numbers.
+)",
+                     AnswerColumns(to_json(FoundContact(), ContactDetail::all)).help(),
+                     AnswerColumns(to_json(FoundContact(), ContactDetail::ids)).help());
+}
+
 struct ContactsArguments {
   PlacedArguments models;
-  bool regions = false;
   ContactArguments contacts;
 };
 
@@ -53,11 +200,7 @@ FoundContacts find(const ContactArguments& arguments, const Pair& pair, std::siz
 ExitCode run(const ContactsArguments& arguments) {
   const Pair pair(arguments.models);
   ContactOutput output(arguments.contacts);
-  const std::size_t all = std::numeric_limits<std::size_t>::max();
-  FoundContacts found = find(arguments.contacts, pair, arguments.regions ? all : output.room());
-  if (arguments.regions) {
-    find_regions(found, pair.a().model.mesh(), pair.b().model.mesh(), output.room());
-  }
+  const FoundContacts found = find(arguments.contacts, pair, output.room());
   const Nesting nesting = found.intersecting_count > 0 ? Nesting::none : nesting_of(pair.a(), pair.b());
   const auto json = [&] {
     Json answer = {{"query", "contacts"}};
@@ -82,12 +225,6 @@ where fewer are written. With --closest it is less than K where there are fewer 
 ones are among the K is not defined. Whether triangles intersect is decided exactly, and touching is intersecting.
 Points and normals are in the world frame.
 
---regions says which pairs are connected: two are neighbors if their triangles of A share a vertex, or are one, and
-their triangles of B, too. A region is all that is reached from neighbor to neighbor, such as each place where a shaft
-goes through a plate. The deepest comes first, then the nearest; regions count from 0. Pairs get a column region. JSON
-has regions, an array of count, intersecting, distance, which is the least, depth, the largest, and low and high, a box
-around the points of its pairs.
-
 Models are surfaces, not solids: pairs of one wholly inside the other are those of their surfaces. Where a closed model
 has the other inside, a warning says so, and the field inside in JSON.
 
@@ -98,58 +235,44 @@ struct SelfArguments {
   ContactArguments contacts;
 };
 
-struct SelfAnswer {
-  FoundContacts found;
-  std::optional<DistanceResult> distance;  ///< the shortest one of triangles that are no neighbors
-  std::optional<FoundWitness> witness;
-  QueryStats stats;
-  double elapsed_us = 0;
-};
-
-SelfAnswer answer_to(const ContactArguments& arguments, const RigidModel& model, std::size_t room) {
+ExitCode run(const SelfArguments& arguments) {
+  const ContactArguments& asked = arguments.contacts;
+  const RigidModel model(load_mesh_argument(arguments.model));
+  ContactOutput output(asked);
   const Model& tree = model.model();
   const std::uint64_t triangle_count = tree.mesh().triangles().size();
-  SelfAnswer answer;
-  answer.found = find(
-      arguments, room, triangle_count * (triangle_count - 1) / 2,
+  FoundContacts found = find(
+      asked, output.room(), triangle_count * (triangle_count - 1) / 2,
       [&](std::span<Contact> closest) { return self_closest_pairs(tree, closest); },
       [&](double margin, ContactCollector& visit) { return visit_self_contacts(tree, margin, visit); },
       [&](ContactCollector& visit) { return visit_self_intersections(tree, visit); });
-  set_faces(answer.found, model, model);
-  answer.stats = answer.found.stats;
-  answer.elapsed_us = answer.found.elapsed_us;
-  if (arguments.margin || arguments.intersections || arguments.closest) return answer;
-  const Stopwatch asking;
-  answer.distance = self_distance(tree);
-  answer.elapsed_us = rounded_us(answer.elapsed_us + asking.microseconds());
-  answer.witness = with_faces(answer.distance->witness, model, model);
-  answer.stats += answer.distance->stats;
-  return answer;
-}
-
-ExitCode run(const SelfArguments& arguments) {
-  const RigidModel model(load_mesh_argument(arguments.model));
-  ContactOutput output(arguments.contacts);
-  const SelfAnswer answer = answer_to(arguments.contacts, model, output.room());
-  const FoundContacts& found = answer.found;
+  set_faces(found, model, model);
+  std::optional<DistanceResult> distance;  // the shortest one of triangles that are no neighbors
+  if (!asked.margin && !asked.intersections && !asked.closest) {
+    const Stopwatch asking;
+    distance = self_distance(tree);
+    found.elapsed_us = rounded_us(found.elapsed_us + asking.microseconds());
+    found.stats += distance->stats;
+  }
   const bool is_yes = found.intersecting_count > 0;
+  const auto witness = with_faces(distance ? distance->witness : std::nullopt, model, model);
   const auto json = [&] {
     Json object = {{"query", "self"}, {"is_yes", is_yes}};
-    object["margin"] = to_json(arguments.contacts.margin);
-    object["closest"] = to_json(arguments.contacts.closest);
+    object["margin"] = to_json(asked.margin);
+    object["closest"] = to_json(asked.closest);
     object["distance"] = nullptr;
-    if (answer.distance) append_distance(object["distance"], *answer.distance, answer.witness);
+    if (distance) append_distance(object["distance"], *distance, witness);
     append_contacts(object, found);
-    append_work(object, answer.stats, model.build_us(), answer.elapsed_us);
+    append_work(object, found.stats, model.build_us(), found.elapsed_us);
     return object;
   };
   output.write(found, json, [&] {
     write_line("collision {}", is_yes ? "yes" : "no");
     write_count_line(found);
-    if (answer.distance) write_distance_lines(*answer.distance, answer.witness);
-    write_work_lines(answer.stats, model.build_us(), answer.elapsed_us);
+    if (distance) write_distance_lines(*distance, witness);
+    write_work_lines(found.stats, model.build_us(), found.elapsed_us);
   });
-  return arguments.contacts.exit_code && found.count > 0 ? ExitCode::found : ExitCode::answered;
+  return asked.exit_code && found.count > 0 ? ExitCode::found : ExitCode::answered;
 }
 
 constexpr const char* self_help = R"(
@@ -173,8 +296,6 @@ Verb add_contacts(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("contacts", "Pairs of triangles of two models that intersect or are close");
   add_placed_arguments(command, arguments->models);
   add_contact_arguments(command, arguments->contacts, "there is such a pair");
-  command.add_flag("--regions", arguments->regions, "with --margin: which pairs belong together")
-      ->needs(command.get_option("--margin"));
   command.parse_complete_callback([&command] {
     if (check_contact_arguments(command)) return;
     throw CLI::RequiredError("--margin, --intersections or --closest");

@@ -1,115 +1,29 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "answers/answers.h"
-#include "command/options.h"
+#include "answers/parts.h"
 #include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
+#include "formats/csv.h"
 #include "limber/path.h"
-#include "limber/points.h"
-#include "reports/distance_report.h"
-#include "verbs/distance_many.h"
+#include "reports/page_template.h"
+#include "reports/study.h"
 
 namespace limber::program {
 namespace {
-
-/// `--vertices-a` and `--vertices-b`; empty where no file is asked for.
-struct VertexFiles {
-  std::string a, b;
-};
-
-/// The help about these files.
-constexpr const char* vertex_files_help = R"(
---vertices-a writes how far each vertex of A is from the surface of B, and --vertices-b the same the other way round.
-A file .csv has the columns vertex, x, y, z and distance; vertices count from 0 in the mesh's order, at their places in
-the world. A file .ply is the placed mesh, with a property distance of each vertex.
-)";
-
-/// Opens both files, and writes them when it is told to.
-class VertexDistances {
- public:
-  /// Errors   BadInput as OutputFile, and where a name ends in neither .csv nor .ply.
-  explicit VertexDistances(const VertexFiles& files);
-
-  /// Errors   OutputFailed; BadInput where a vertex as placed is above `max_coordinate`.
-  void write(const PlacedModel& a, const PlacedModel& b);
-
- private:
-  VertexFiles files_;
-  std::optional<OutputFile> a_, b_;
-};
-
-constexpr const char *option_a = "--vertices-a", *option_b = "--vertices-b";
-
-bool is_ply(const std::string& path) { return path.ends_with(".ply"); }
-
-/// Opens the file that an option names, if it does.
-void open_file(std::optional<OutputFile>& file, const char* option, const std::string& path) {
-  if (path.empty()) return;
-  if (!is_ply(path) && !path.ends_with(".csv")) {
-    throw BadInput(fmt::format("{}: {} ends in neither .csv nor .ply", option, path));
-  }
-  file.emplace(option, path);
-}
-
-std::vector<Vec3> placed_vertices(const std::string& option, const PlacedModel& model) {
-  std::vector<Vec3> points;
-  points.reserve(model.model.mesh().positions().size());
-  for (const Vec3& p : model.model.mesh().positions()) {
-    points.push_back(model.pose(p));
-    if (max_abs(points.back()) <= max_coordinate) continue;
-    throw BadInput(option + ": a pose moves a vertex beyond the largest coordinate of points, 2^200");
-  }
-  return points;
-}
-
-std::string csv_text(const std::vector<Vec3>& points, const std::vector<PointResult>& found) {
-  std::string text = "vertex,x,y,z,distance\n";
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    text += fmt::format("{},{},{}\n", v, to_text(points[v], ","), to_text(found[v].closest->distance));
-  }
-  return text;
-}
-
-std::string ply_text(const Mesh& mesh, const std::vector<Vec3>& points, const std::vector<PointResult>& found) {
-  std::string text = fmt::format(
-      "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
-      "property double distance\nelement face {}\nproperty list uchar uint vertex_indices\nend_header\n",
-      points.size(), mesh.triangles().size());
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    text += fmt::format("{} {}\n", to_text(points[v], " "), to_text(found[v].closest->distance));
-  }
-  for (const auto& [u, v, w] : mesh.triangles()) text += fmt::format("3 {} {} {}\n", u, v, w);
-  return text;
-}
-
-void add_vertex_files(CLI::App& command, VertexFiles& target) {
-  add_file(command, option_a, target.a, "FILE",
-           "also write the distances of A's vertices from B, to a file .csv or .ply");
-  add_file(command, option_b, target.b, "FILE", "also write the distances of B's vertices from A");
-}
-
-VertexDistances::VertexDistances(const VertexFiles& files) : files_(files) {
-  open_file(a_, option_a, files.a);
-  open_file(b_, option_b, files.b);
-}
-
-void VertexDistances::write(const PlacedModel& a, const PlacedModel& b) {
-  const auto text = [](const char* option, const std::string& path, const PlacedModel& of, const PlacedModel& from) {
-    const std::vector<Vec3> points = placed_vertices(option, of);
-    std::vector<PointResult> found(points.size());
-    closest_point_many({from.model.model(), from.pose}, points, found);
-    return is_ply(path) ? ply_text(of.model.mesh(), points, found) : csv_text(points, found);
-  };
-  if (a_) a_->write(text(option_a, files_.a, a, b));
-  if (b_) b_->write(text(option_b, files_.b, b, a));
-}
 
 struct DistanceArguments {
   PairArguments pair;
@@ -118,7 +32,6 @@ struct DistanceArguments {
   std::optional<double> distance_error, min_clearance;
   Tolerances tolerances;
   ReportArguments report;
-  VertexFiles vertices;
 };
 
 DistanceQuestion question_of(const DistanceArguments& arguments) {
@@ -144,14 +57,12 @@ DistanceAnswer answer_on_path(const Path& path, const Pair& pair, std::optional<
 
 ExitCode answer_pair(const DistanceArguments& arguments) {
   const Pair pair(arguments.pair);
-  VertexDistances vertices(arguments.vertices);
   std::optional<ReportFile> report;
   if (!arguments.report.path.empty()) report.emplace(arguments.report);
   const DistanceQuestion question = question_of(arguments);
   const DistanceAnswer answer = pair.path() ? answer_on_path(*pair.path(), pair, arguments.distance_error)
                                             : answer_to(question, pair.a(), pair.b());
   if (report) report->write(distance_report(arguments.pair, pair, question, answer));
-  vertices.write(pair.a(), pair.b());
   if (arguments.pair.json) {
     Json json = {{"query", "distance"}};
     append_answer(json, answer);
@@ -172,11 +83,155 @@ ExitCode answer_pair(const DistanceArguments& arguments) {
   return exit_code_of(question, answer);
 }
 
-ExitCode run(const DistanceArguments& arguments) {
-  if (arguments.pairs.empty() && arguments.parts.empty()) return answer_pair(arguments);
-  return answer_pairs(
-      {arguments.pairs, arguments.parts, arguments.accept, arguments.out, arguments.pair.json, arguments.report},
-      question_of(arguments));
+/// Whether a pattern with * and ? is that of a name. Each * takes as little as will do; none has to take more.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0, after_star = std::string_view::npos, resumed = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      after_star = ++p, resumed = n;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+      ++p, ++n;
+    } else if (after_star != std::string_view::npos) {
+      p = after_star, n = ++resumed;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+/// Whether the parts touch or may touch, and nothing worse is possible.
+bool is_touching(const DistanceAnswer& answer) {
+  const bool may_touch = answer.clash == Clash::cannot_tell && !answer.may_clash && answer.result.lower == 0;
+  return answer.clash == Clash::touching || may_touch;
+}
+
+/// `--accept`: pairs of parts that may touch, or even overlap.
+class AcceptedPairs {
+ public:
+  /// Accepts nothing if the path is empty. Errors: BadInput of read_csv(), and where a word is neither.
+  explicit AcceptedPairs(const std::string& path) : path_(path) {
+    if (path.empty()) return;
+    const std::string hint = "; the first row names the columns: name_a,name_b,allowed";
+    read_csv(path, {"pair", {"name_a", "name_b", "allowed"}, 2, true, hint, true},
+             [&](const std::vector<std::string>& fields, std::size_t line) {
+               const std::string& allowed = fields[2];
+               if (allowed != "all" && allowed != "touching" && !allowed.empty()) {
+                 throw BadInput(fmt::format("column allowed: must be touching or all, not '{}'", shown(allowed)));
+               }
+               rules_.push_back({fields[0], fields[1], allowed == "all", false, line});
+             });
+  }
+
+  /// The first line that accepts the answer to a pair of names, counted from 1.
+  std::optional<std::size_t> accept(const std::string& name_a, const std::string& name_b,
+                                    const DistanceAnswer& answer) {
+    if (answer.clash == Clash::clear || answer.clash == Clash::surfaces_apart) return std::nullopt;
+    std::optional<std::size_t> first;
+    for (Rule& rule : rules_) {
+      if (!rule.allows_all && !is_touching(answer)) continue;
+      const bool is_meant =
+          (matches(rule.a, name_a) && matches(rule.b, name_b)) || (matches(rule.a, name_b) && matches(rule.b, name_a));
+      if (!is_meant) continue;
+      rule.is_used = true;
+      if (!first) first = rule.line;
+    }
+    return first;
+  }
+
+  /// Warns of each line that has accepted nothing.
+  void warn_about_unused() const {
+    for (const Rule& rule : rules_) {
+      if (!rule.is_used) warn("distance", fmt::format("{}: line {}: accepts no pair", path_, rule.line));
+    }
+  }
+
+ private:
+  struct Rule {
+    std::string a, b;  ///< patterns
+    bool allows_all = false, is_used = false;
+    std::size_t line = 0;
+  };
+
+  std::string path_;
+  std::vector<Rule> rules_;
+};
+
+Json answer_in_row(std::size_t number, const AskedPairs& asked, const PartPair& pair, const DistanceAnswer& answer,
+                   const std::optional<std::size_t>& accepted) {
+  const auto& [a, b] = pair;
+  const StudyPart &part_a = asked.parts[a], &part_b = asked.parts[b];
+  Json json = {{"row", number}};
+  if (asked.kind == StudyKind::pairs) {
+    json["model_a"] = part_a.file;
+    json["model_b"] = part_b.file;
+  } else {
+    json["part_a"] = a;
+    json["part_b"] = b;
+    json["name_a"] = part_a.name;
+    json["name_b"] = part_b.name;
+  }
+  append_answer(json, answer);
+  json["accepted"] = to_json(accepted);
+  append_work(json, answer.result.stats, answer.elapsed_us);
+  return json;
+}
+
+/// Answers the pairs from `first` on, as many as `answers` has room for, on all threads.
+void answer_next(const DistanceQuestion& question, const AskedPairs& asked, std::size_t first,
+                 std::vector<DistanceAnswer>& answers) {
+  const std::size_t count = std::min(answers.size(), asked.pairs.size() - first);
+  oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const auto& [a, b] = asked.pairs[first + i];
+    answers[i] = answer_to(question, asked.parts[a].placed(), asked.parts[b].placed());
+  });
+}
+
+AnswerColumns columns_of(StudyKind kind) {
+  const AskedPairs sample{kind, std::vector<StudyPart>(2), {}, {}};
+  DistanceAnswer answer;
+  answer.witness.emplace();
+  return AnswerColumns(answer_in_row(0, sample, {0, 1}, answer, {}));
+}
+
+ExitCode answer_pairs(const DistanceArguments& arguments) {
+  const DistanceQuestion question = question_of(arguments);
+  const double max_distance = question.options.max_distance + question.tolerances.of_pair();
+  const AskedPairs asked =
+      arguments.parts.empty() ? pairs_of_file(arguments.pairs) : pairs_of_parts(arguments.parts, max_distance);
+  AcceptedPairs accepted_pairs(arguments.accept);
+  Study study(asked.kind, question, asked.parts);
+  OutputFile out("--out", arguments.out);
+  std::optional<ReportFile> report;
+  if (!arguments.report.path.empty()) report.emplace(arguments.report);
+  ExitCode exit_code = ExitCode::answered;
+  std::size_t nested_count = 0, row = 0;
+  const AnswerColumns columns = columns_of(asked.kind);
+  if (!arguments.pair.json) out.write(columns.header());
+  // What models make when they are first asked for it, so that threads may ask them.
+  for (const StudyPart& part : asked.parts) static_cast<void>(part.model->surface());
+  std::vector<DistanceAnswer> answers(32 * static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
+  for (std::size_t i = 0; i < asked.pairs.size(); ++i) {
+    const auto& [a, b] = asked.pairs[i];
+    if (i % answers.size() == 0) answer_next(question, asked, i, answers);
+    const DistanceAnswer& answer = answers[i % answers.size()];
+    const bool is_far = answer.result.status == DistanceStatus::beyond_limit && !answer.may_clash;
+    if (is_far && asked.kind == StudyKind::parts) continue;
+    const auto accepted = accepted_pairs.accept(asked.parts[a].name, asked.parts[b].name, answer);
+    if (answer.relation.nesting != Nesting::none) ++nested_count;
+    if (!accepted) exit_code = worse_of(exit_code, exit_code_of(question, answer));
+    if (report) study.add(row, asked.pairs[i], answer, accepted);
+    const Json json = answer_in_row(row++, asked, asked.pairs[i], answer, accepted);
+    out.write_rows(arguments.pair.json ? to_line(json) : columns.line(json));
+  }
+  if (nested_count > 0) {
+    warn("distance", fmt::format("in {} a model lies inside the other without touching it; models are surfaces, not "
+                                 "solids (column inside)",
+                                 nested_count == 1 ? "1 row" : fmt::format("{} rows", nested_count)));
+  }
+  accepted_pairs.warn_about_unused();
+  if (report) report->write(study.to_json());
+  return exit_code;
 }
 
 constexpr const char* help_text = R"(
@@ -213,7 +268,7 @@ folders. Parts of one mesh file stand as the file places them; triangles are cou
 --report writes one HTML file that needs no network: both meshes in 3D with the closest points, a section through
 them, the distance of each surface from the other in colours, or the triangles that intersect, and the answer as a
 table. Of a file of pairs or parts it says first whether the clearance is kept, and lists all pairs, the worst first;
-each is shown in 3D. Pages name date, version, and the SHA-256 of files that were read.
+each is shown in 3D. Pages name date, version and command line.
 
 Example, pairs.csv:
 
@@ -236,6 +291,18 @@ models:
 
 )";
 
+constexpr const char* accept_help = R"(
+A file for --accept has the columns name_a and name_b, where you want it allowed, and no others. Names are patterns of
+the names in the answer, in either order: * stands for any characters, ? for one. What is allowed is touching, which is
+meant where nothing is said, or all: hard clashes too. The column accepted of the answer tells the first line that
+accepts a pair, which otherwise would be touching or worse. Accepted pairs keep their clash, but do not change the exit
+code. Lines that accept nothing are warned of.
+
+  name_a,name_b,allowed
+  bolt_*,plate_*,touching
+  bolt_*,nut_*,all
+)";
+
 /// What the options say about each other.
 void check_options(const CLI::App& command, const DistanceArguments& arguments) {
   const auto is_given = [&](const char* name) { return command.get_option(name)->count() > 0; };
@@ -243,14 +310,13 @@ void check_options(const CLI::App& command, const DistanceArguments& arguments) 
   for (const char* const name : {"A", "B"}) {
     if (file == nullptr && !is_given(name)) throw CLI::RequiredError(name);
   }
-  for (const char* const name :
-       {"A", "B", "--pose-a", "--pose-b", "--path-a", "--path-b", "--vertices-a", "--vertices-b"}) {
+  for (const char* const name : {"A", "B", "--pose-a", "--pose-b", "--path-a", "--path-b"}) {
     if (file != nullptr && is_given(name)) throw CLI::ValidationError(file, std::string("leaves no room for ") + name);
   }
   if (is_given("--pairs") && is_given("--parts")) throw CLI::ValidationError("--pairs", "leaves no room for --parts");
   for (const char* const path : {"--path-a", "--path-b"}) {
     for (const char* const name : {"--relative-error", "--absolute-error", "--max-distance", "--min-clearance",
-                                   "--tolerance", "--mesh-error", "--report", "--vertices-a", "--vertices-b"}) {
+                                   "--tolerance", "--mesh-error", "--report"}) {
       if (is_given(path) && is_given(name)) throw CLI::ValidationError(path, std::string("leaves no room for ") + name);
     }
   }
@@ -280,17 +346,14 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
   add_distance_options(command, arguments->options);
   add_number(command, "--distance-error", arguments->distance_error, not_negative,
-             "with --path-a and --path-b: how far apart lower and upper are at most; 0 is as exact as it gets")
-      ->type_name("LENGTH");
+             "with --path-a and --path-b: how far apart lower and upper are at most; 0 is as exact as it gets");
   add_min_clearance(
       command, arguments->min_clearance,
       "exit with 3 instead of 0 when a pair is closer than this length, or a hard clash; at most --max-distance");
   add_number(command, "--tolerance", arguments->tolerances.overlap, not_negative,
-             "closed models that are proven to be no deeper in each other than this length only touch")
-      ->type_name("LENGTH");
+             "closed models that are proven to be no deeper in each other than this length only touch");
   add_number(command, "--mesh-error", arguments->tolerances.mesh_error, not_negative,
-             "how far each mesh is from the part that it stands for at most; a pair is off by twice that")
-      ->type_name("LENGTH");
+             "how far each mesh is from the part that it stands for at most; a pair is off by twice that");
   add_file(command, "--pairs", arguments->pairs, "CSV",
            "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with --json an "
            "object for each row");
@@ -303,11 +366,13 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   add_report(command, arguments->report,
              "also write a page that shows the answer: both meshes, a section, their distance in colours; or all "
              "pairs, the worst first");
-  add_vertex_files(command, arguments->vertices);
   command.parse_complete_callback([&command, arguments] { check_options(command, *arguments); });
-  command.footer(std::string(help_text) + clash_help + tolerances_help + vertex_files_help + path_answer_help +
-                 path_help + accept_help + pairs_help + pairs_answer_columns());
-  return {&command, [arguments] { return run(*arguments); }};
+  command.footer(std::string(help_text) + clash_help + tolerances_help + path_answer_help + path_help + accept_help +
+                 pairs_help + columns_of(StudyKind::pairs).help());
+  return {&command, [arguments] {
+            const bool has_file = !arguments->pairs.empty() || !arguments->parts.empty();
+            return has_file ? answer_pairs(*arguments) : answer_pair(*arguments);
+          }};
 }
 
 }  // namespace limber::program

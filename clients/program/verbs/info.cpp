@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "answers/models.h"
-#include "command/options.h"
 #include "command/output.h"
 #include "command/text.h"
 #include "command/verb.h"
@@ -21,6 +22,36 @@ struct InfoArguments {
   std::string model;
   bool json = false;
 };
+
+/// An edge has two distinct ends. A triangle uses an edge once, even where two of its corners coincide.
+struct EdgeCounts {
+  std::size_t open = 0;          ///< used by one triangle
+  std::size_t closed = 0;        ///< used by two
+  std::size_t non_manifold = 0;  ///< used by more
+
+  /// Whether every edge has two triangles, so that the mesh has an inside.
+  bool are_closed() const { return closed > 0 && open == 0 && non_manifold == 0; }
+};
+
+EdgeCounts count_edges(MeshView mesh) {
+  using Edge = std::pair<VertexId, VertexId>;
+  std::vector<Edge> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const Corners& c : mesh.triangles) {
+    std::array<Edge, 3> own = {std::minmax(c[0], c[1]), std::minmax(c[1], c[2]), std::minmax(c[2], c[0])};
+    std::sort(own.begin(), own.end());
+    const auto end = std::unique(own.begin(), own.end());
+    std::copy_if(own.begin(), end, std::back_inserter(edges), [](const Edge& e) { return e.first != e.second; });
+  }
+  std::sort(edges.begin(), edges.end());
+  EdgeCounts counts;
+  for (auto first = edges.begin(); first != edges.end();) {
+    const auto last = std::find_if(first, edges.end(), [first](const Edge& e) { return e != *first; });
+    ++(last - first == 1 ? counts.open : last - first == 2 ? counts.closed : counts.non_manifold);
+    first = last;
+  }
+  return counts;
+}
 
 /// Triangles without area, decided exactly.
 std::size_t count_degenerate(const Mesh& mesh) {
@@ -111,7 +142,7 @@ std::string value_text(const Json& json) {
   if (json.is_boolean()) return json.get<bool>() ? "yes" : "no";
   if (json.is_number_float()) return to_text(json.get<double>());
   if (!json.is_array()) return json.dump();
-  return to_text(Vec3{json[0], json[1], json[2]}, " ");
+  return to_text(Vec3{json[0], json[1], json[2]});
 }
 
 void write_lines(const Json& json) {
@@ -157,7 +188,7 @@ Verb add_info(CLI::App& app) {
   const auto arguments = std::make_shared<InfoArguments>();
   CLI::App& command = *app.add_subcommand("info", "Counts of a mesh, and the size of its tree");
   command.add_option("M", arguments->model, model_argument_help)->type_name("MODEL")->required();
-  add_json(command, arguments->json, "answer with one JSON object");
+  command.add_flag("--json", arguments->json, "answer with one JSON object");
   command.footer(R"(
 Counts are of the mesh as the engine sees it: faces split into triangles and, in files, vertices at equal positions
 shared. Open edges belong to one triangle, non-manifold edges to more than two; a mesh with neither is closed.

@@ -23,29 +23,29 @@ double most_frame_bytes(std::uint64_t max_megabytes) {
 constexpr std::array row_names = {"lower",     "upper",    "status",         "too_close", "depth",
                                   "update_us", "query_us", "moved_vertices", "witness"};
 constexpr std::array contact_row_names = {"query_us", "count", "intersecting"};
-constexpr std::array impact_row_names = {"status", "lower", "touch"};
-
-/// An object with a name for each.
-Json named_objects(const Names& names) {
-  Json json = Json::array();
-  for (const std::string& name : names) json.push_back({{"name", name}});
-  return json;
-}
 
 }  // namespace
 
 TreeUpdate& TreeUpdate::operator+=(const TreeUpdate& other) {
   elapsed_us = rounded_us(elapsed_us + other.elapsed_us);
-  done += other.done;
+  moved_vertices += other.moved_vertices;
+  refits += other.refits;
+  absorbed += other.absorbed;
   return *this;
+}
+
+TreeUpdate work_since(const MaintenanceStats& before, const limber::Model& model, double elapsed_us) {
+  const MaintenanceStats now = model.maintenance_stats();
+  return {elapsed_us, now.moved_vertices - before.moved_vertices, now.refits - before.refits,
+          now.absorbed - before.absorbed};
 }
 
 Json to_json(const TrackRow& row) {
   Json json = {{"frame", row.frame}, {"update_us", row.update.elapsed_us}, {"query_us", row.query_us}};
   append_distance(json, row.result, row.witness);
-  json["moved_vertices"] = row.update.done.moved_vertices;
-  json["refits"] = row.update.done.refits;
-  json["absorbed"] = row.update.done.absorbed;
+  json["moved_vertices"] = row.update.moved_vertices;
+  json["refits"] = row.update.refits;
+  json["absorbed"] = row.update.absorbed;
   json["node_tests"] = row.result.stats.node_tests;
   json["primitive_tests"] = row.result.stats.primitive_tests;
   if (row.too_close) json["too_close"] = *row.too_close;
@@ -56,7 +56,6 @@ Json to_json(const TrackRow& row) {
                   {"intersecting", found.intersecting_count},
                   {"pair", found.first.empty() ? Json(nullptr) : to_json(found.first.front(), found.detail)}};
   }
-  for (const FrameImpact& impact : row.impacts) json[impact.name] = to_json(impact);
   return json;
 }
 
@@ -103,19 +102,17 @@ Json Replay::Model::part(std::size_t number) const {
 }
 
 Replay::Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models)
-    : sequence_(std::move(sequence)),
-      models_{Model(models[0]), Model(models[1])},
-      contacts_(named_objects(sequence_.contact_names)),
-      impacts_(named_objects(sequence_.impact_names)) {
-  if (sequence_.row_count > most_rows) {
+    : sequence_(std::move(sequence)), models_{Model(models[0]), Model(models[1])}, contacts_(Json::array()) {
+  for (const std::string& name : sequence_.contact_names) contacts_.push_back({{"name", name}});
+  if (sequence_.frame_count > most_rows) {
     throw BadInput(
-        fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.row_count));
+        fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.frame_count));
   }
 }
 
 void Replay::add(const TrackRow& row, const std::array<ReplayedState, 2>& states) {
   add_row(row);
-  if (row.frame >= sequence_.frame_count || row.frame % stride_ != 0) return;
+  if (row.frame % stride_ != 0) return;
   for (std::size_t m = 0; m < models_.size(); ++m) models_[m].add(states[m]);
   while (static_cast<double>(models_[0].byte_count() + models_[1].byte_count()) >
              most_frame_bytes(sequence_.max_megabytes) &&
@@ -132,19 +129,12 @@ void Replay::add_row(const TrackRow& row) {
   for (std::size_t c = 0; c < row.contacts.size(); ++c) {
     append_row(contacts_[c], json[row.contacts[c].name], contact_row_names);
   }
-  for (std::size_t i = 0; i < row.impacts.size(); ++i) {
-    Json& impact = json[row.impacts[i].name];
-    Json& touch = impact["touch"];
-    if (!touch.is_null()) touch = {touch["feature_a"], touch["triangle_a"], touch["feature_b"], touch["triangle_b"]};
-    append_row(impacts_[i], impact, impact_row_names);
-  }
 }
 
 Json Replay::to_json() const {
   Json rows = rows_;
   for (std::size_t r = 0; r < rows["witness"].size(); ++r) {
-    const bool is_kept = r % sequence_.frame_count % stride_ == 0;
-    if (!is_kept) rows["witness"][r] = nullptr;  // no picture shows it
+    if (r % stride_ != 0) rows["witness"][r] = nullptr;  // no picture shows it
   }
   Json json = {{"kind", "frames"}, {"engine", sequence_.engine}};
   json.update(settings_of(sequence_.query, sequence_.min_clearance));
@@ -152,8 +142,7 @@ Json Replay::to_json() const {
                {"stride", stride_},
                {"max_megabytes", sequence_.max_megabytes},
                {"rows", std::move(rows)},
-               {"contacts", contacts_},
-               {"impacts", impacts_}});
+               {"contacts", contacts_}});
   for (const Model& model : models_) {
     json["models"].push_back(model.to_json());
     append_row(json["parts"], model.part(json["models"].size() - 1), part_names);

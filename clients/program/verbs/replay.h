@@ -11,10 +11,9 @@
 
 #include "answers/answers.h"
 #include "answers/contact_answers.h"
-#include "answers/deforming_model.h"
-#include "answers/impacts.h"
-#include "formats/position_frames.h"
 #include "limber/distance.h"
+#include "limber/model.h"
+#include "reports/page_data.h"
 
 /// What `limber track` says about each frame, and what the viewer plays: two models that move and deform, and what was
 /// asked about them.
@@ -23,10 +22,13 @@ namespace limber::program {
 /// Work done on trees between two frames.
 struct TreeUpdate {
   double elapsed_us = 0;
-  DeformingWork done;
+  std::uint64_t moved_vertices = 0;
+  std::uint64_t refits = 0;    ///< 8-nodes
+  std::uint64_t absorbed = 0;  ///< moves of vertices that needed no refit
 
   TreeUpdate& operator+=(const TreeUpdate& other);
 };
+TreeUpdate work_since(const MaintenanceStats& before, const limber::Model& model, double elapsed_us);
 
 /// The pairs of triangles of one frame, and the word that their columns start with.
 struct FrameContacts {
@@ -41,12 +43,10 @@ struct TrackRow {
   double query_us = 0;
   DistanceResult result;
   std::optional<FoundWitness> witness;
-  /// Whether the models are closer than a clearance that is required, or touch on the way from the line before; empty
-  /// where none is.
+  /// Whether the models are closer than a clearance that is required, or overlap; empty where none is.
   std::optional<bool> too_close;
   std::optional<double> depth;  ///< of closed models in each other, as proven_depth() has it, where that is asked
   std::vector<FrameContacts> contacts;
-  std::vector<FrameImpact> impacts;  ///< on the way from the line before
 };
 
 Json to_json(const TrackRow& row);
@@ -72,9 +72,9 @@ class Replay {
   static constexpr std::size_t most_rows = 100'000;  ///< that charts have room for
 
   struct Sequence {
-    std::size_t frame_count = 0, row_count = 0;  ///< a sequence that is played again has more rows than frames
-    Names contact_names, impact_names;
-    std::string engine;  ///< in words
+    std::size_t frame_count = 0;
+    Names contact_names;
+    std::string engine;  ///< its settings in words
     DistanceOptions query;
     std::optional<double> min_clearance;
     std::uint64_t max_megabytes = 0;  ///< that the page may have
@@ -117,7 +117,7 @@ class Replay {
   Sequence sequence_;
   std::array<Model, 2> models_;
   std::size_t stride_ = 1;
-  Json rows_, contacts_, impacts_;
+  Json rows_, contacts_;
 };
 
 }  // namespace limber::program
