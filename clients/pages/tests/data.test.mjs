@@ -87,7 +87,7 @@ for (const name of ['far', 'floor', 'crossing', 'pairs', 'parts', 'frames', 'thi
       });
     });
     assert.ok(count >= 2);
-    if (name === 'thinned') assert.ok(stride > 1 && rows.status.length === 24);
+    if (name === 'thinned') assert.ok(stride > 1 && rows.status.length === 12);
   });
 }
 
