@@ -1,39 +1,16 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Points of a needle in a ring of tissue: how deep each of them is inside, before and after the tissue gives way.
+// Points of a needle in a ball of tissue: how deep each of them is inside, before and after the tissue gives way.
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <vector>
 
 #include "limber/limber.h"
-
-namespace {
-
-/// A ring around the z axis, of radius 1 and thickness 0.8. Neighbors share their vertices, so it is closed.
-limber::Mesh ring(std::uint32_t slices) {
-  std::vector<limber::Vec3> positions;
-  std::vector<limber::Corners> triangles;
-  for (std::uint32_t j = 0; j < slices; ++j) {
-    for (std::uint32_t i = 0; i < slices; ++i) {
-      const double around = 2 * std::numbers::pi * i / slices, across = 2 * std::numbers::pi * j / slices;
-      const double radius = 1 + 0.4 * std::cos(across);
-      positions.push_back({radius * std::cos(around), radius * std::sin(around), 0.4 * std::sin(across)});
-      const std::uint32_t next_i = (i + 1) % slices, next_j = (j + 1) % slices;
-      const std::uint32_t v = j * slices + i, right = j * slices + next_i;
-      const std::uint32_t above = next_j * slices + i, above_right = next_j * slices + next_i;
-      triangles.push_back({v, right, above_right});
-      triangles.push_back({v, above_right, above});
-    }
-  }
-  return limber::Mesh::create(std::move(positions), std::move(triangles)).value();
-}
-
-}  // namespace
+#include "shapes.h"
 
 int main() {
-  limber::Model tissue(ring(48));
+  limber::Model tissue(shapes::ball(48));
   // Closed surfaces have an inside. This is checked once: the tissue may deform afterwards.
   const limber::Result<limber::ClosedSurface> surface = limber::ClosedSurface::create(tissue);
   if (!surface) {
@@ -43,7 +20,7 @@ int main() {
 
   // Points along a needle, from outside to the middle.
   std::vector<limber::Vec3> needle;
-  for (int i = 0; i <= 8; ++i) needle.push_back({1.01, 0.02, 0.8 - 0.1 * i});
+  for (int i = 0; i <= 8; ++i) needle.push_back({0.01, 0.02, 1.2 - 0.15 * i});
   const auto count_inside = [&] {
     std::vector<limber::SignedDistance> found(needle.size());
     surface->signed_distance_many(needle, found);  // on all threads
@@ -59,8 +36,7 @@ int main() {
   // The tissue gives way. Its surface is the same, so it is still known to be closed.
   std::vector<limber::Vec3> positions = tissue.mesh().positions();
   for (limber::Vec3& p : positions) {
-    const double aside = (p.x - 1) * (p.x - 1) + p.y * p.y;
-    if (p.z > 0) p.z -= 0.5 * p.z * std::exp(-8 * aside);
+    if (p.z > 0) p.z -= 0.5 * p.z * std::exp(-8 * (p.x * p.x + p.y * p.y));
   }
   tissue.move_all(positions).value();
   tissue.commit();

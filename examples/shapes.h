@@ -28,21 +28,21 @@ inline limber::Mesh sheet(std::uint32_t squares, double side) {
   return limber::Mesh::create(std::move(positions), std::move(triangles)).value();
 }
 
-/// A ball of radius 1 around the origin: `slices` meridians, `slices` / 2 bands, poles on the z axis.
+/// A closed ball of radius 1 around the origin: `slices` meridians, `slices` / 2 bands, poles on the z axis.
 inline limber::Mesh ball(std::uint32_t slices) {
-  const std::uint32_t bands = slices / 2;
-  std::vector<limber::Vec3> positions;
+  const std::uint32_t bands = slices / 2, south = 1 + (bands - 1) * slices;
+  const auto id = [&](std::uint32_t j, std::uint32_t i) {
+    return j == 0 ? 0 : j == bands ? south : 1 + (j - 1) * slices + i % slices;
+  };
+  std::vector<limber::Vec3> positions(south + 1);
   std::vector<limber::Corners> triangles;
   for (std::uint32_t j = 0; j <= bands; ++j) {
     const double polar = std::numbers::pi * j / bands;
-    const double radius = j == bands ? 0 : std::sin(polar);
     for (std::uint32_t i = 0; i < slices; ++i) {
       const double turn = 2 * std::numbers::pi * i / slices;
-      positions.push_back({radius * std::cos(turn), radius * std::sin(turn), std::cos(polar)});
-      if (j == bands) continue;
-      const std::uint32_t v = j * slices + i, next = j * slices + (i + 1) % slices;
-      triangles.push_back({v, v + slices, next});
-      triangles.push_back({next, v + slices, next + slices});
+      positions[id(j, i)] = {std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
+      if (j > 0 && j < bands) triangles.push_back({id(j, i), id(j + 1, i), id(j, i + 1)});
+      if (j + 1 < bands) triangles.push_back({id(j, i + 1), id(j + 1, i), id(j + 1, i + 1)});
     }
   }
   return limber::Mesh::create(std::move(positions), std::move(triangles)).value();

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "fuzz/scratch_file.h"
+#include "fuzz/property.h"
 #include "limber/io.h"
 #include "limber/model.h"
 
@@ -16,14 +16,6 @@ namespace limber::fuzz {
 namespace {
 
 constexpr std::size_t most_triangles_in_model = 2000;
-
-/// The file under whose extension the bytes are read; glTF comes as text and as a binary container that says so.
-ScratchFile& file_for(std::span<const unsigned char> bytes) {
-  static ScratchFile plain("input." LIMBER_FUZZ_FORMAT), container("input.glb");
-  const std::string format = LIMBER_FUZZ_FORMAT, magic = "glTF";
-  const bool is_container = bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-  return format == "gltf" && is_container ? container : plain;
-}
 
 void check_mesh_file(MeshFile file) {
   const Result<void> sound = check_mesh(file.mesh);
@@ -46,16 +38,17 @@ void check_mesh_file(MeshFile file) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace limber::fuzz;
-  const std::span<const unsigned char> bytes(data, size);
-  ScratchFile& scratch = file_for(bytes);
-  scratch.write(bytes);
-  limber::Result<limber::MeshFile> read = limber::read_mesh_file(scratch.path());
+  const std::span bytes(data, size);
+  // glTF comes as text and as a binary container that says so.
+  const bool is_container = std::string(data, data + std::min<std::size_t>(size, 4)) == "glTF";
+  const std::string format = LIMBER_FUZZ_FORMAT, name = "input." + (format == "gltf" && is_container ? "glb" : format);
+  limber::Result<limber::MeshFile> read = limber::read_mesh_bytes(std::as_bytes(bytes), name);
   if (read) {
     check_mesh_file(std::move(*read));
     return 0;
   }
   const std::string& text = read.error().text;
   require(is_one_line(text), "an error is one line", text);
-  require(text.starts_with(scratch.path().string() + ": "), "an error starts with the file's name", text);
+  require(text.starts_with(name + ": "), "an error starts with the file's name", text);
   return 0;
 }

@@ -8,7 +8,6 @@
 #include <tuple>
 #include <vector>
 
-#include "fuzz/environment.h"
 #include "fuzz/inputs.h"
 #include "fuzz/property.h"
 #include "limber/motion.h"

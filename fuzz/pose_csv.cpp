@@ -4,18 +4,29 @@
 // Bytes as one pose and as a list of poses: the result is rigid transforms or an error of one line, whatever the text.
 #include "formats/csv.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 
 #include "command/run_files.h"
 #include "command/text.h"
-#include "fuzz/scratch_file.h"
+#include "fuzz/property.h"
 
 void limber::program::add_input(const std::filesystem::path& /*path*/) {}  // no output has to be kept from a file
 
 namespace limber::fuzz {
 namespace {
+
+/// A file of this process; removed at exit.
+struct ScratchFile {
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("limber-fuzz-" + std::to_string(::getpid()) + ".csv");
+  ~ScratchFile() { std::filesystem::remove(path); }
+} const scratch;
 
 void check_one_pose(std::string_view text) {
   const Result<Transform> pose = program::parsed_pose(text);
@@ -34,9 +45,8 @@ bool is_plain_list(std::string_view text) {
 }
 
 void check_list(std::string_view text) {
-  static ScratchFile scratch("poses.csv");
-  scratch.write({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
-  const std::string path = scratch.path().string();
+  const std::string path = scratch.path.string();
+  std::ofstream(scratch.path, std::ios::binary) << text;
   const auto line_count = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
   try {
     const std::vector<Transform> poses = program::read_poses(path);

@@ -22,55 +22,47 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> inputs_below(int count, char** arguments) {
-  std::vector<fs::path> inputs;
-  for (int i = 1; i < count; ++i) {
-    const fs::path path = arguments[i];
-    if (!fs::is_directory(path)) {
-      inputs.push_back(path);
-      continue;
-    }
-    for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
-      if (entry.is_regular_file()) inputs.push_back(entry.path());
-    }
-  }
-  std::sort(inputs.begin(), inputs.end());
-  return inputs;
+void run(const std::string& name, const std::string& bytes) {
+  std::printf("%s (%zu bytes)\n", name.c_str(), bytes.size());
+  std::fflush(stdout);  // names the input that ends the process
+  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
 }
 
 /// The same inputs on each machine, some of them too short for all that they stand for.
-void run_random(int count) {
+void run_random(unsigned count) {
   constexpr std::size_t longest = 500;
-  for (int seed = 0; seed < count; ++seed) {
-    std::mt19937 random(static_cast<std::uint32_t>(seed));
-    std::vector<std::uint8_t> bytes(random() % longest);
-    for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
-    std::printf("random input %d (%zu bytes)\n", seed, bytes.size());
-    std::fflush(stdout);  // names the input that ends the process
-    LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+  for (unsigned seed = 0; seed < count; ++seed) {
+    std::mt19937 random(seed);
+    std::string bytes(random() % longest, '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random());
+    run("random input " + std::to_string(seed), bytes);
   }
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count > 2 && arguments[1] == std::string_view("--random")) {
-    run_random(std::atoi(arguments[2]));
-    if (count == 3) return 0;
-    count -= 2, arguments += 2;
+  std::vector<fs::path> inputs;
+  int random_count = 0;
+  for (int i = 1; i < count; ++i) {
+    if (arguments[i] == std::string_view("--random") && i + 1 < count) {
+      random_count = std::atoi(arguments[++i]);
+    } else if (fs::is_directory(arguments[i])) {
+      inputs.insert(inputs.end(), fs::directory_iterator(arguments[i]), {});
+    } else {
+      inputs.emplace_back(arguments[i]);
+    }
   }
-  const std::vector<fs::path> inputs = inputs_below(count, arguments);
+  std::sort(inputs.begin(), inputs.end());
+  run_random(static_cast<unsigned>(random_count));
   for (const fs::path& path : inputs) {
     std::ifstream file(path, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    std::printf("%s (%zu bytes)\n", path.c_str(), bytes.size());
     if (!file) {
-      std::printf("cannot be read\n");
+      std::printf("%s cannot be read\n", path.c_str());
       return 2;
     }
-    std::fflush(stdout);  // names the input that ends the process
-    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    run(path.string(), bytes);
   }
-  std::printf("%zu inputs\n", inputs.size());
-  return inputs.empty() ? 2 : 0;
+  return inputs.empty() && random_count == 0 ? 2 : 0;
 }

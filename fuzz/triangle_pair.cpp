@@ -6,11 +6,11 @@
 #include <cmath>
 #include <tuple>
 
-#include "fuzz/environment.h"
 #include "fuzz/inputs.h"
 #include "fuzz/property.h"
 #include "limber/geometry.h"
 #include "support/exact_intersection.h"
+#include "support/right_answers.h"
 
 namespace limber::fuzz {
 namespace {
@@ -53,7 +53,7 @@ Scene scene(ByteReader bytes) {
   double size = 0;
   for (std::size_t i = 0; i < 3; ++i) size = std::max({size, max_abs(a[i]), max_abs(b[i])});
   const double tolerance = std::max(relative_tolerance * size, least_tolerance);
-  return {environment, a, b, tolerance, tolerance + sliver_tolerance(a, b, size)};
+  return {environment, a, b, tolerance, tolerance + testing::sliver_tolerance(a, b, size)};
 }
 
 bool is_on(const Vec3& p, const Triangle& t, double tolerance) {

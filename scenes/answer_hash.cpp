@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Source   The idea is Jolt's, whose performance test prints a hash of its simulation.
-#include "scenes/answer_hash.h"
+#include "scenes/scenes.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,7 +12,6 @@
 
 #include "limber/limber.h"
 #include "scenes/motions.h"
-#include "scenes/scenes.h"
 
 namespace limber::scenes {
 namespace {

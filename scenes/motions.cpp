@@ -13,9 +13,9 @@ constexpr std::uint64_t soup_seed = 0x5EED0010, displacement_seed = 0x5EED0011;
 constexpr double half_period = 250;  // frames
 
 /// 0 in frame 0, 1 in frame half_period, 0 again in frame 2 * half_period, and so on.
-double there_and_back(double frame, double half = half_period) {
-  const double phase = frame - 2 * half * std::floor(frame / (2 * half));
-  return (phase <= half ? phase : 2 * half - phase) / half;
+double there_and_back(double frame) {
+  const double phase = frame - 2 * half_period * std::floor(frame / (2 * half_period));
+  return (phase <= half_period ? phase : 2 * half_period - phase) / half_period;
 }
 
 /// Positions of frame f are each(vertex, its first position, f).
@@ -48,22 +48,9 @@ Motion twisting_bar(std::uint32_t per_side) {
   const Mesh sheet = grid(4 * per_side, 8 * per_side, 0, 0, 1.0 / per_side, 1.0 / per_side);
   std::vector<Vec3> positions = sheet.positions();
   for (Vec3& p : positions) {
-    const double along = p.x - std::floor(p.x);
-    const double z = p.y - 4;
-    switch (static_cast<int>(p.x) % 4) {
-      case 0:
-        p = {along - 0.5, -0.5, z};
-        break;
-      case 1:
-        p = {0.5, along - 0.5, z};
-        break;
-      case 2:
-        p = {0.5 - along, 0.5, z};
-        break;
-      default:
-        p = {-0.5, 0.5 - along, z};
-        break;
-    }
+    const double along = p.x - std::floor(p.x), z = p.y - 4;
+    const Vec3 sides[] = {{along - 0.5, -0.5, z}, {0.5, along - 0.5, z}, {0.5 - along, 0.5, z}, {-0.5, 0.5 - along, z}};
+    p = sides[static_cast<int>(p.x) % 4];
   }
   return motion("twisting bar", Mesh::create(std::move(positions), sheet.triangles()).value(),
                 [](std::size_t, const Vec3& p, double frame) {
@@ -103,13 +90,6 @@ Motion shuffled_soup(std::uint32_t triangles) {
   const auto shared = std::make_shared<const std::vector<Vec3>>(std::move(displacements));
   return motion("shuffled soup", std::move(soup), [shared](std::size_t v, const Vec3& p, double frame) {
     return p + (frame / (2.0 * half_period)) * (*shared)[v / 3];
-  });
-}
-
-Motion morph(const std::string& name, const Mesh& from, const Mesh& to, std::uint32_t frames) {
-  const auto goal = std::make_shared<const std::vector<Vec3>>(to.positions());
-  return motion(name, from, [goal, frames](std::size_t v, const Vec3& p, double frame) {
-    return p + there_and_back(frame, frames) * ((*goal)[v] - p);
   });
 }
 

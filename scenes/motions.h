@@ -33,9 +33,4 @@ Motion crumpling_cloth(std::uint32_t n);
 /// Confetti whose pieces all change places within 500 frames, every piece along its own straight line.
 Motion shuffled_soup(std::uint32_t triangles);
 
-/// From one mesh to another with the same triangles and back, `frames` frames in each direction.
-///
-/// Pre      Both have as many positions.
-Motion morph(const std::string& name, const Mesh& from, const Mesh& to, std::uint32_t frames);
-
 }  // namespace limber::scenes

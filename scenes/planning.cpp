@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scenes/planning.h"
+#include "scenes/scenes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/scenes.h"
 #include "scenes/surfaces.h"
 
 namespace limber::scenes {

@@ -10,6 +10,7 @@ has the same shape, and Sphinx reads that. A link that leads nowhere is an error
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import subprocess
 import sys
@@ -22,7 +23,7 @@ SUFFIXES = (".md", ".h", ".cpp", ".py", ".bib", ".csv", ".txt", ".png", ".ipynb"
 DOXYFILE = """
 PROJECT_NAME = limber
 INPUT = {headers}
-INPUT_FILTER = "{python} {filter}"
+INPUT_FILTER = "{python} {filter} --filter"
 OUTPUT_DIRECTORY = {out}
 GENERATE_XML = YES
 GENERATE_HTML = NO
@@ -37,6 +38,24 @@ WARN_IF_UNDOCUMENTED = NO
 AUTOLINK_SUPPORT = NO
 STRIP_FROM_PATH = {root}/include
 """
+_LABEL = re.compile(r"^(\s*///) ([A-Z]\w+) {2,}(?=\S)", re.MULTILINE)
+_ABOUT_THE_HEADER = re.compile(r"^((?:///.*\n)+)(?=namespace )", re.MULTILINE)
+_PRIVATE = re.compile(r"^ private:\n.*?(?=^};)", re.MULTILINE | re.DOTALL)
+_FOR_THE_LIBRARY = re.compile(r"^ */// For the library's own use.*?(?=^\n|^};)", re.MULTILINE | re.DOTALL)
+_PAGE = re.compile(r"\bdocs/([\w/]+)\.md\b")
+
+
+def for_doxygen(header: str) -> str:
+    """What Doxygen reads instead of a public header.
+
+    The comment in front of the namespace is about the header, each label of a comment starts a paragraph, and names of
+    pages become links. What is private or for the library alone is left out.
+    """
+    header = header.replace("LIMBER_API ", "").replace("[[nodiscard]] ", "")
+    header = _FOR_THE_LIBRARY.sub("", _PRIVATE.sub("", header))
+    header = _ABOUT_THE_HEADER.sub(r"/// @file\n\1", header, count=1)
+    header = _LABEL.sub(r"\1 @par \2\n\1 ", header)
+    return _PAGE.sub(r'<a href="../../docs/\1.html">docs/\1.md</a>', header)  # from api/cpp
 
 
 def stage(folder: Path) -> None:
@@ -77,7 +96,7 @@ def write_interfaces(folder: Path) -> None:
 def read_headers(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     text = DOXYFILE.format(
-        headers=ROOT / "include/limber", python=sys.executable, filter=ROOT / "tools/doxygen_filter.py", out=folder, root=ROOT
+        headers=ROOT / "include/limber", python=sys.executable, filter=Path(__file__).resolve(), out=folder, root=ROOT
     )
     (folder / "Doxyfile").write_text(text, encoding="utf-8")
     subprocess.run(["doxygen", folder / "Doxyfile"], check=True)
@@ -86,7 +105,12 @@ def read_headers(folder: Path) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="where the site and what it is made of are written")
-    folder: Path = parser.parse_args().folder.resolve()
+    parser.add_argument("--filter", action="store_true", help="print what Doxygen is to read of a header instead")
+    arguments = parser.parse_args()
+    if arguments.filter:
+        sys.stdout.write(for_doxygen(arguments.folder.read_text(encoding="utf-8")))
+        return 0
+    folder: Path = arguments.folder.resolve()
     source, site = folder / "source", folder / "site"
     stage(source)
     write_interfaces(source)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The repository as the checks see it: which files are ours, their text, and how a finding is reported."""
+"""The repository as the checks see it: which files are ours, their text, and how findings are reported."""
 
 from __future__ import annotations
 
@@ -8,71 +8,50 @@ import argparse
 import os
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 CPP_SUFFIXES = (".h", ".cpp")
-
-
-@dataclass(frozen=True, order=True)
-class Finding:
-    path: str
-    line: int
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.line}: {self.text}"
 
 
 def _is_ours(folder: str) -> bool:
     return folder == ".ci" or not (folder.startswith((".", "build")) or folder in ("__pycache__", "node_modules"))
 
 
-def files(root: Path, *folders: str, suffixes: tuple[str, ...] = ()) -> Iterator[Path]:
-    """Our files below the named folders (all of them if none is named), sorted; build trees are left out."""
+def texts(root: Path, *folders: str, suffixes: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """Name and text of our files below the named folders, of all if none is named; build trees are left out."""
     for top in folders or (".",):
         for parent, children, names in os.walk(root / top):
             children[:] = sorted(child for child in children if _is_ours(child))
-            for name in sorted(names):
-                if not suffixes or name.endswith(suffixes):
-                    yield Path(parent, name)
+            for path in (Path(parent, name) for name in sorted(names) if name.endswith(suffixes)):
+                yield path.relative_to(root).as_posix(), path.read_text(encoding="utf-8", errors="replace")
 
 
-def shown(root: Path, path: Path) -> str:
-    return Path(os.path.relpath(path, root)).as_posix()
-
-
-def text_of(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace")
-
-
-def line_at(text: str, offset: int) -> int:
-    return text.count("\n", 0, offset) + 1
+def finding(name: str, text: str, offset: int, what: str) -> str:
+    return f"{name}:{text.count(chr(10), 0, offset) + 1}: {what}"
 
 
 _CPP_TOKEN = re.compile(
-    r'(?P<comment>//[^\n]*|/\*.*?\*/)'
-    r'|(?P<raw>R"(?P<mark>[^()\s\\]{0,16})\(.*?\)(?P=mark)")'
-    r'|(?P<string>"(?:\\.|[^"\\\n])*")'
-    r"|(?P<char>(?<![0-9A-Fa-f])'(?:\\.|[^'\\\n])+')",
+    r'//[^\n]*|/\*.*?\*/'
+    r'|R"(?P<mark>[^()\s\\]{0,16})\(.*?\)(?P=mark)"'
+    r'|"(?:\\.|[^"\\\n])*"'
+    r"|(?<![0-9A-Fa-f])'(?:\\.|[^'\\\n])+'",
     re.DOTALL,
 )
 
 
-def _blank(text: str) -> str:
+def blank(text: str) -> str:
     return re.sub(r"[^\n]", " ", text)
 
 
 def cpp_code(text: str) -> str:
     """C++ with comments and literals blanked out; every character keeps its line and column."""
-    return _CPP_TOKEN.sub(lambda token: _blank(token.group()), text)
+    return _CPP_TOKEN.sub(lambda token: blank(token.group()), text)
 
 
-def run(purpose: str, check: Callable[[Path], list[Finding]]) -> int:
+def run(purpose: str, check: Callable[[Path], list[str]]) -> int:
     """The main function of a check: prints its findings; 1 if there are any."""
     parser = argparse.ArgumentParser(description=purpose)
     parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).resolve().parent.parent)
-    findings = sorted(set(check(parser.parse_args().root)))
-    for finding in findings:
-        print(finding)
+    findings = check(parser.parse_args().root)
+    print(*findings, sep="\n", end="\n" if findings else "")
     return 1 if findings else 0

@@ -169,13 +169,11 @@ void compare_all(const std::filesystem::path& folder) {
                    scenes::grid(64, 64, 0, 0, 1.0 / 64, 1.0 / 64),
                    scenes::grid(60, 60, 0.01, 0.02, 1.0 / 64, 1.0 / 64),
                    {}};
-  sheets.situations = {{"0.1 apart", false, {Transform{{}, {0, 0, 0.1}}}},
-                       {"0.001 apart", false, {Transform{{}, {0, 0, 0.001}}}}};
+  sheets.situations = {{"0.1 apart", {Transform{{}, {0, 0, 0.1}}}}, {"0.001 apart", {Transform{{}, {0, 0, 0.001}}}}};
   compare_queries(table, sheets);
   PeerScene same{"a sheet over itself", sheets.a, sheets.a, sheets.situations};
   compare_queries(table, same);
-  PeerScene rings{
-      "linked rings", scenes::ring(1000, 1000, 0.1), scenes::ring(1000, 1000, 0.1), {{"2 million", false, {}}}};
+  PeerScene rings{"linked rings", scenes::ring(1000, 1000, 0.1), scenes::ring(1000, 1000, 0.1), {{"2 million", {}}}};
   for (std::uint32_t index = 0; index < 5; ++index) rings.situations[0].poses.push_back(scenes::linked_ring(index));
   compare_queries(table, rings);
   if (!folder.empty()) {

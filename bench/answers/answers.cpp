@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Question  Do this build, this processor and this number of threads answer as others do?
-// Workload  Queries of every kind (scenes/answer_hash.h), some 4 000 for each unit of --scale.
+// Workload  Queries of every kind (scenes/answer_hash.cpp), some 4 000 for each unit of --scale.
 // Metric    A hash of all answers of each kind, and one of them all.
 // Expected  The same hashes on all instruction sets and numbers of threads, as the tests demand at scale 1; and for all
 //           compilers and revisions that do not mean to change an answer.
@@ -10,7 +10,7 @@
 
 #include "bench/support/report.h"
 #include "limber/base.h"
-#include "scenes/answer_hash.h"
+#include "scenes/scenes.h"
 
 int main(int argc, char** argv) {
   using namespace limber;

@@ -1,16 +1,12 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// CGAL's AABB tree of triangles over an inexact kernel with exact predicates; one tree moves by its traits'
-// transformation, as in Polygon_mesh_processing's rigid collision. No distance between two meshes. For closest points
-// the tree is over a kernel of doubles, with a tree of vertices for first guesses.
+// CGAL's AABB tree of triangles over a kernel of doubles, with a tree of vertices for first guesses. It has no distance
+// between two meshes.
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Rigid_triangle_mesh_collision_detection.h>
 #include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
 
 #include <cmath>
 
@@ -18,42 +14,6 @@
 
 namespace limber::bench {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
-
-Surface surface_of(const Mesh& mesh) {
-  Surface surface;
-  // Three vertices of its own for every triangle: a soup is no manifold.
-  for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
-    const Triangle corners = mesh.triangle(t);
-    Surface::Vertex_index v[3];
-    for (std::size_t k = 0; k < 3; ++k) v[k] = surface.add_vertex({corners[k].x, corners[k].y, corners[k].z});
-    surface.add_face(v[0], v[1], v[2]);
-  }
-  return surface;
-}
-
-class CgalPeer : public Peer {
- public:
-  CgalPeer(const Mesh& a, const Mesh& b) : a_(surface_of(a)), b_(surface_of(b)) {
-    detection_.add_mesh(a_);
-    detection_.add_mesh(b_);
-    ask(Question::collide, {});  // builds the trees
-  }
-  bool answers(Question question) const override { return question == Question::collide; }
-  double ask(Question, const Transform& pose) override {
-    const Mat3& r = pose.rotation;
-    const Vec3& t = pose.translation;
-    detection_.set_transformation(
-        1, {r.row0.x, r.row0.y, r.row0.z, t.x, r.row1.x, r.row1.y, r.row1.z, t.y, r.row2.x, r.row2.y, r.row2.z, t.z});
-    return detection_.get_all_intersections(1).empty() ? 1 : 0;
-  }
-
- private:
-  Surface a_, b_;
-  CGAL::Rigid_triangle_mesh_collision_detection<Surface> detection_;
-};
 
 class PointTree {
  public:
@@ -79,8 +39,6 @@ class PointTree {
 };
 
 }  // namespace
-
-std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b) { return std::make_unique<CgalPeer>(a, b); }
 
 Projector cgal_projector(const Mesh& mesh) {
   return {"CGAL", "AABB_tree, accelerated", false,

@@ -8,8 +8,6 @@
 #include <coal/collision.h>
 #include <coal/distance.h>
 
-#include <type_traits>
-
 #include "bench/peers/fcl_family.h"
 
 namespace limber::bench {
@@ -50,17 +48,14 @@ struct Coal {
   }
 };
 
-template <typename Volume>
-class CoalPeer : public FamilyPeer<Coal, Volume> {
+class CoalPeer : public FamilyPeer<Coal, Coal::Volume> {
  public:
-  using FamilyPeer<Coal, Volume>::FamilyPeer;
-  bool answers(Question question) const override {
-    return question != Question::collide || std::is_same_v<Volume, coal::OBBRSS>;
-  }
+  using FamilyPeer::FamilyPeer;
+  bool answers(Question) const override { return true; }
   double ask(Question question, const Transform& pose_b) override {
     const coal::Transform3s origin = coal::Transform3s::Identity();
     const coal::Transform3s pose(matrix<Coal>(pose_b.rotation), vector<Coal>(pose_b.translation));
-    const coal::CollisionGeometry *a = this->a_.get(), *b = this->b_.get();
+    const coal::CollisionGeometry *a = a_.get(), *b = b_.get();
     if (question == Question::collide) {
       const coal::CollisionRequest request;
       coal::CollisionResult result;
@@ -76,10 +71,7 @@ class CoalPeer : public FamilyPeer<Coal, Volume> {
 
 }  // namespace
 
-std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b) { return std::make_unique<CoalPeer<coal::OBBRSS>>(a, b); }
-std::unique_ptr<Peer> make_coal_rss(const Mesh& a, const Mesh& b) {
-  return std::make_unique<CoalPeer<coal::RSS>>(a, b);
-}
+std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b) { return std::make_unique<CoalPeer>(a, b); }
 std::unique_ptr<Manager> make_coal_manager(const Mesh& shape, std::size_t bodies, bool builds_anew) {
   return std::make_unique<FamilyManager<Coal>>(shape, bodies, builds_anew);
 }

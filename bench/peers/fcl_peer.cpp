@@ -7,7 +7,6 @@
 #include <fcl/fcl.h>
 
 #include "bench/peers/fcl_family.h"
-#include "bench/support/sampling.h"
 
 namespace limber::bench {
 namespace {
@@ -84,28 +83,6 @@ std::unique_ptr<Peer> make_fcl_aabb(const Mesh& a, const Mesh& b) {
 
 std::unique_ptr<Manager> make_fcl_manager(const Mesh& shape, std::size_t bodies, bool builds_anew) {
   return std::make_unique<FamilyManager<Fcl>>(shape, bodies, builds_anew);
-}
-
-FindImpact fcl_impact(const Mesh& moving, const Mesh& still, std::size_t samples) {
-  const auto tree = built<Fcl, Fcl::Volume>(moving), other = built<Fcl, Fcl::Volume>(still);
-  const auto solver = samples == 0 ? fcl::CCDC_CONSERVATIVE_ADVANCEMENT : fcl::CCDC_NAIVE;
-  // Motions are made here: those that FCL makes of poses alone have a reference point that it does not initialize.
-  const auto motion = [](const Transform& start, const Transform& end) {
-    return fcl::InterpMotion<double>(matrix<Fcl>(start.rotation), vector<Fcl>(start.translation),
-                                     matrix<Fcl>(end.rotation), vector<Fcl>(end.translation), Fcl::Vector(0, 0, 0));
-  };
-  return [=](const Transform& start, const Transform& end) -> std::optional<double> {
-    const fcl::ContinuousCollisionRequestd request(samples, 1e-4, fcl::CCDM_LINEAR, fcl::GST_LIBCCD, solver);
-    fcl::ContinuousCollisionResultd result;
-    const auto moves = motion(start, end), stays = motion({}, {});
-    fcl::continuousCollide<double>(tree.get(), &moves, other.get(), &stays, request, result);
-    if (!result.is_collide) return std::nullopt;
-    return result.time_of_contact;
-  };
-}
-
-double fcl_build_us(const Mesh& mesh) {
-  return mean_us(1, [&] { built<Fcl, Fcl::Volume>(mesh); });
 }
 
 }  // namespace limber::bench

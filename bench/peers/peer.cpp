@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/peers/peer.h"
 
-#include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "reference/classic/classic.h"
 
 namespace limber::bench {
 namespace {
@@ -57,45 +57,17 @@ bool agree(Question question, double a, double b, double tolerance) {
 
 std::unique_ptr<Peer> make_classic(const Mesh& a, const Mesh& b) { return std::make_unique<ClassicPeer>(a, b); }
 
-std::vector<Contestant> all_peers(const Mesh& a, const Mesh& b, bool with_classic) {
-  std::vector<Contestant> peers;
-  peers.emplace_back("limber", make_limber(a, b));
-#ifdef LIMBER_PEER_FCL
-  peers.emplace_back("fcl", make_fcl(a, b));
-  peers.emplace_back("fcl-forced", make_fcl_forced(a, b));
-#endif
-#ifdef LIMBER_PEER_COAL
-  peers.emplace_back("coal", make_coal(a, b));
-#endif
-#ifdef LIMBER_PEER_CGAL
-  peers.emplace_back("cgal", make_cgal(a, b));
-#endif
-#ifdef LIMBER_PEER_BULLET
-  peers.emplace_back("bullet", make_bullet(a, b));
-#endif
-#ifdef LIMBER_PEER_EMBREE
-  peers.emplace_back("embree", make_embree(a, b));
-#endif
-  if (with_classic) peers.emplace_back("classic", make_classic(a, b));
-  return peers;
-}
-
 std::vector<Contestant> deforming_peers(const Mesh& a, const Mesh& b) {
   std::vector<Contestant> peers;
   peers.emplace_back("limber", make_limber(a, b));
 #ifdef LIMBER_PEER_EMBREE
-  peers.emplace_back("embree, triangles", make_embree_triangles(a, b));
-  peers.emplace_back("embree, boxes", make_embree(a, b));
-#endif
-#ifdef LIMBER_PEER_BULLET
-  peers.emplace_back("bullet, GImpact", make_bullet(a, b));
+  peers.emplace_back("embree, triangles", make_embree(a));
 #endif
 #ifdef LIMBER_PEER_FCL
   peers.emplace_back("fcl, AABB", make_fcl_aabb(a, b));
   peers.emplace_back("fcl, OBBRSS", make_fcl(a, b));
 #endif
 #ifdef LIMBER_PEER_COAL
-  peers.emplace_back("coal, RSS", make_coal_rss(a, b));
   peers.emplace_back("coal, OBBRSS", make_coal(a, b));
 #endif
   return peers;

@@ -5,10 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "limber/mesh.h"
@@ -35,8 +32,6 @@ class Peer {
   virtual bool answers(Question) const { return false; }
   /// The distance, 0 in contact; for `collide` 0 or 1: 0 means contact.
   virtual double ask(Question, const Transform&) { return 0; }
-  /// The work that a new pose of b needs before a query, where it is not part of ask().
-  virtual void move(const Transform&) {}
   /// Moves all vertices of a and updates it in the fastest way that the library has. False if the library has none.
   virtual bool deform(const std::vector<Vec3>&) { return false; }
 };
@@ -47,11 +42,7 @@ struct Contestant {
   std::unique_ptr<Peer> peer;
 };
 
-/// The library itself first, then those that were found; at the end, if asked for, the classic engine, whose exact
-/// distances between large meshes take seconds.
-std::vector<Contestant> all_peers(const Mesh& a, const Mesh& b, bool with_classic = false);
-
-/// Libraries that can update a deforming mesh; some of them in several ways.
+/// The library itself, then those that were found and can update a deforming mesh; some of them in several ways.
 std::vector<Contestant> deforming_peers(const Mesh& a, const Mesh& b);
 
 std::unique_ptr<Peer> make_classic(const Mesh& a, const Mesh& b);
@@ -59,21 +50,7 @@ std::unique_ptr<Peer> make_fcl(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl_forced(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_fcl_aabb(const Mesh& a, const Mesh& b);
 std::unique_ptr<Peer> make_coal(const Mesh& a, const Mesh& b);
-std::unique_ptr<Peer> make_coal_rss(const Mesh& a, const Mesh& b);
-std::unique_ptr<Peer> make_cgal(const Mesh& a, const Mesh& b);
-std::unique_ptr<Peer> make_bullet(const Mesh& a, const Mesh& b);
-std::unique_ptr<Peer> make_embree(const Mesh& a, const Mesh& b);
-std::unique_ptr<Peer> make_embree_triangles(const Mesh& a, const Mesh& b);
-
-/// When a model that moves from pose to pose, turning about its origin, touches one that stands still; nothing if it
-/// does not. By conservative advancement, or, with a number of samples, by collision queries at so many times.
-using FindImpact = std::function<std::optional<double>(const Transform& start, const Transform& end)>;
-FindImpact fcl_impact(const Mesh& moving, const Mesh& still, std::size_t samples);
-
-/// What a library needs to build its tree of a mesh on one thread, in us.
-double fcl_build_us(const Mesh& mesh);
-double embree_morton_build_us(const Mesh& mesh);
-double embree_sah_build_us(const Mesh& mesh);
+std::unique_ptr<Peer> make_embree(const Mesh& a);
 
 /// The broad phase of another library, over bodies that all have the same shape.
 class Manager {

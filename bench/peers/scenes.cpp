@@ -14,7 +14,6 @@
 #include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
-#include "scenes/planning.h"
 #include "scenes/scenes.h"
 #include "scenes/surfaces.h"
 
@@ -113,8 +112,7 @@ std::vector<Transform> path_from(const Situation& situation, const Mesh& b, scen
 PeerScene at_gaps(const std::string& name, const Mesh& a, const Mesh& b, std::size_t pose_count) {
   scenes::Rng rng(pose_seed);
   const Model model_a(a), model_b(b);
-  PeerScene scene{
-      name, a, b, {{"overlapping", false, {}}, {"0.001", false, {}}, {"0.05", false, {}}, {"1", false, {}}}};
+  PeerScene scene{name, a, b, {{"overlapping", {}}, {"0.001", {}}, {"0.05", {}}, {"1", {}}}};
   for (std::size_t i = 0; i < pose_count; ++i) {
     const Vec3 outward = scenes::random_rotation(rng).row0;
     const Transform pose = add_at_gaps(scene, model_a, model_b, {scenes::random_rotation(rng), outward * 20}, outward);
@@ -133,7 +131,7 @@ PeerScene at_gaps(const std::string& name, const Mesh& a, const Mesh& b, std::si
 PeerScene scattered(const std::string& name, const Mesh& a, const Mesh& b, std::size_t pose_count) {
   scenes::Rng rng(pose_seed);
   const Model model_a(a), model_b(b);
-  PeerScene scene{name, a, b, {{meeting_name, false, {}}, {apart_name, false, {}}}};
+  PeerScene scene{name, a, b, {{meeting_name, {}}, {apart_name, {}}}};
   const auto [low, high] = model_a.bounding_box();
   const auto is_short = [&](const Situation& s) { return s.poses.size() < pose_count; };
   for (std::size_t tries = 0; tries < 400 * pose_count; ++tries) {
@@ -162,7 +160,7 @@ PeerScene ball_over_square(std::size_t pose_count) {
 PeerScene rings(std::size_t pose_count) {
   scenes::Rng rng(pose_seed);
   const Mesh ring = scenes::ring(400, 80, 0.1);
-  PeerScene scene{"linked rings", ring, ring, {{"linked", false, {}}}};
+  PeerScene scene{"linked rings", ring, ring, {{"linked", {}}}};
   for (std::uint32_t i = 0; i < pose_count; ++i) scene.situations[0].poses.push_back(scenes::linked_ring(i));
   scene.path = path_from(scene.situations[0], ring, rng);
   return scene;
@@ -177,7 +175,7 @@ PeerScene turned_ball_and_square(std::size_t pose_count) {
   PeerScene scene{"ball over square, turned", scenes::together({scenes::thesis_square()}, {turn, {}}), ball, {}};
   for (const double separation :
        {64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.01, 0.001, 0.0, -0.001, -0.1, -0.5, -1.0}) {
-    Situation situation{fmt::format("{:g}", separation), separation == 0, {}};
+    Situation situation{fmt::format("{:g}", separation), {}};
     for (std::uint32_t i = 0; i < pose_count; ++i) {
       situation.poses.push_back(Transform{turn, {}} * scenes::ball_over_square(ball, separation, i));
     }
@@ -190,7 +188,7 @@ PeerScene two_scans(const std::string& name, const std::filesystem::path& a, con
                     std::size_t pose_count) {
   PeerScene scene{name, normalised(load_mesh(a).value()), normalised(load_mesh(b).value()), {}};
   const Model model_a(scene.a), model_b(scene.b);
-  scene.situations = {{"overlap", false, {}}, {"near", false, {}}, {"mid", false, {}}, {"far", false, {}}};
+  scene.situations = {{"overlap", {}}, {"near", {}}, {"mid", {}}, {"far", {}}};
   scenes::Rng rng(0x5EED0002);
   for (std::size_t i = 0; i < pose_count; ++i) {
     const Mat3 rotation = scenes::random_rotation(rng);

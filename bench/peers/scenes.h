@@ -17,7 +17,6 @@ namespace limber::bench {
 /// One situation in several poses of b.
 struct Situation {
   std::string name;
-  bool touching = false;  ///< so near to contact that rounding decides; collisions are not compared then
   std::vector<Transform> poses;
 };
 

@@ -1,19 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Question        What does a query know when its time is up? How late is it then? How many calls and how much work
-//                 does it take until one that is asked again and again at rest has its answer?
-// Workload        Scans beside each other and the source's ball over its square, near and far apart. For the last
-//                 question all scenes of realtime/scenes.h; budgets of 1 step to 1600, and of 50 us to 2 ms.
+// Question        What does a query know when its time is up, and how late is it then?
+// Workload        Scans beside each other and the source's ball over its square, near and far apart.
 // Metric          Time of a query that may make no step. How long queries go on after deadlines from 5 us to 1 ms, next
-//                 to a loop that does nothing but look at the clock. Width of the interval after parts of the time of
-//                 the exact query. Calls until the end; node tests of all calls over those of one query without budget
-//                 and cache.
-// Expected shape  Overruns of a few us, until the machine itself interrupts. Widths that shrink quickly. As many calls
-//                 as the work needs, at most twice the node tests and one a call.
-// Checked         Every interval holds the exact distance, and none at rest is wider than the one before; every query
-//                 ends within that work.
-#include <CLI/CLI.hpp>
+//                 to a loop that does nothing but look at the clock. Width of the interval after parts of the steps of
+//                 the exact query.
+// Expected shape  Overruns of a few us, until the machine itself interrupts. Widths that shrink quickly.
+// Checked         Every interval holds the exact distance.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,7 +16,6 @@
 #include <vector>
 
 #include "bench/peers/scenes.h"
-#include "bench/realtime/scenes.h"
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
 #include "limber/distance.h"
@@ -139,81 +132,17 @@ std::vector<Scene> all_scenes(const std::filesystem::path& meshes, std::size_t p
   return all;
 }
 
-struct Limit {
-  std::uint64_t steps = 0;
-  std::int64_t us = 0;  // if there is no limit of steps
-
-  std::string name() const { return steps > 0 ? fmt::format("{} steps", steps) : fmt::format("{} us", us); }
-  QueryBudget budget() const {
-    if (steps > 0) return {.max_steps = steps};
-    return {.deadline = Clock::now() + std::chrono::microseconds(us)};
-  }
-};
-constexpr Limit limits[] = {{1, 0}, {50, 0}, {400, 0}, {1600, 0}, {0, 50}, {0, 400}, {0, 2000}};
-
-/// Asks until there is an answer. Returns calls, and node tests as a part of those of the whole query.
-std::string ask_to_the_end(const RealTimeScene& scene, const DistanceOptions& options, const Limit& limit,
-                           Checker& checker) {
-  const Placed a{scene.a}, b{scene.b, scene.pose};
-  const DistanceResult whole = distance(a, b, options);
-  const double truth = distance(a, b).upper, tolerance = 1e-12 * (1 + truth);
-  QueryCache cache;
-  DistanceResult last;
-  std::uint64_t calls = 0, tests = 0;
-  const std::uint64_t most_tests = 2 * whole.stats.node_tests + 16;
-  do {
-    DistanceOptions limited = options;
-    limited.cache = &cache, limited.budget = limit.budget();
-    const DistanceResult found = distance(a, b, limited);
-    tests += found.stats.node_tests;
-    ++calls;
-    checker.check(found.lower <= truth + tolerance && found.upper >= truth - tolerance, "{}: [{}, {}] without {}",
-                  scene.name, found.lower, found.upper, truth);
-    checker.check(calls == 1 || (found.lower >= std::min(last.lower, found.upper) && found.upper <= last.upper),
-                  "{}: [{}, {}] after [{}, {}]", scene.name, found.lower, found.upper, last.lower, last.upper);
-    last = found;
-    // A deadline may cut a pair of leaves short in every call, which is compared again.
-    if (!checker.check(tests <= most_tests + (limit.steps > 0 ? 1 : 16) * calls, "{}, {}: {} node tests and no end",
-                       scene.name, limit.name(), tests)) {
-      return "no end | |";
-    }
-  } while (last.status == DistanceStatus::interrupted);
-  return fmt::format("{} | {:.2f} |", calls, static_cast<double>(tests) / static_cast<double>(whole.stats.node_tests));
-}
-
-void ask_all_to_the_end(const std::vector<RealTimeScene>& scenes, Checker& checker, Table& text) {
-  text.line("# Queries that are asked until they have their answer\n");
-  text.line("Calls, and node tests of all calls over those of one query without a budget; each call also compares the");
-  text.line("roots, which counts where a call may make one step.\n");
-  std::string head = "| scene | error |", line = "|:--|--:|";
-  for (const Limit& limit : limits) head += fmt::format(" {} | tests |", limit.name()), line += "--:|--:|";
-  text.line("{}\n{}", head, line);
-  for (const RealTimeScene& scene : scenes) {
-    for (const double error : {0.0, 0.1}) {
-      std::string row;
-      for (const Limit& limit : limits) {
-        row += fmt::format(" {}", ask_to_the_end(scene, {.relative_error = error}, limit, checker));
-      }
-      text.line("| {} | {} |{}", scene.name, error, row);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace limber::bench
 
 int main(int argc, char** argv) {
   using namespace limber::bench;
-  std::size_t queries = 100000;
-  const auto run = [&](const Options& options, Checker& checker) {
+  const auto run = [](const Options& options, Checker& checker) {
     Table text(options, "deadlines.md");
     const std::vector<Scene> scenes = all_scenes(options.meshes, 20);
     time_first_intervals(scenes, checker, text, options.quick ? 200 : 20000);
-    time_overruns(scenes, checker, text, options.quick ? 1000 : queries);
+    time_overruns(scenes, checker, text, options.quick ? 1000 : 100'000);
     measure_widths(scenes, text);
-    Table endings(options, "endings.md");
-    ask_all_to_the_end(real_time_scenes(options.meshes), checker, endings);
   };
-  return run_bench(argc, argv, "What queries know when their time is up, and what it takes to the end", run,
-                   [&](CLI::App& app) { app.add_option("--queries", queries, "how many with a deadline"); });
+  return run_bench(argc, argv, "What queries know when their time is up", run);
 }

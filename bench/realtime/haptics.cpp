@@ -11,6 +11,9 @@
 // Expected shape  Ticks within their budget, but for what the machine adds. No collision: the tool stays in front.
 // Checked         Intervals hold the exact distance, in a second run without a clock that repeats every pose.
 #include <oneapi/tbb/global_control.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,11 +26,6 @@
 #include <string>
 #include <thread>
 #include <vector>
-#if defined(__linux__)
-#include <sched.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#endif
 
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
@@ -202,9 +200,8 @@ void run_ticks(double rate, std::vector<Tick>& ticks, const Work& work) {
   }
 }
 
-/// Asks the system for a core, for priority over ordinary threads, and for memory that stays. Returns what it got.
+/// Asks Linux for a core, for priority over ordinary threads, and for memory that stays. Returns what it got.
 std::string real_time(int core) {
-#if defined(__linux__)
   cpu_set_t cores;
   CPU_ZERO(&cores);
   sched_getaffinity(0, sizeof(cores), &cores);
@@ -218,17 +215,12 @@ std::string real_time(int core) {
   const bool has_memory = mlockall(MCL_CURRENT) == 0;
   return fmt::format("core {}, {}, {}", core, has_priority ? "SCHED_FIFO 80" : "no priority",
                      has_memory ? "locked memory" : "memory not locked");
-#else
-  return core < 0 ? "any core, no priority" : throw std::runtime_error("cores are chosen on Linux alone");
-#endif
 }
 
 void end_real_time() {
-#if defined(__linux__)
   const sched_param none{};
   sched_setscheduler(0, SCHED_OTHER, &none);
   munlockall();
-#endif
 }
 
 /// The tissue is deformed as before, and asked exactly with the tool where it was, in one of `every` ticks.

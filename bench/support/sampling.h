@@ -66,12 +66,6 @@ inline Summary summarize(std::vector<double> samples) {
 
 inline double median(std::vector<double> samples) { return summarize(std::move(samples)).median; }
 
-inline double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
 /// A call, and how often in a row it is made for one sample.
 struct Turn {
   std::function<void()> call;

@@ -3,8 +3,8 @@
 
 // Question        What does a query cost at a given separation, and what do the kind of answer and contact do to it?
 // Workload        A ball of 1024 triangles and diameter 2 over a flat square of 8192 triangles and 8 x 8 units, from 64
-//                 units of separation down to 1 unit of penetration. Pose 0, and the mean over 15 other places and
-//                 turns. Collision, exact distance, approximate distance; the classic sphere tree; one thread.
+//                 units of separation down to 1 unit of penetration. Collision, exact distance, approximate distance;
+//                 the classic sphere tree; one thread.
 // Metric          Time per query: minimum, median and 99th percentile over rounds in each of which every query runs
 //                 once at every separation. Beside them the pairs of spheres and of triangles compared.
 // Expected shape  Collision: next to nothing far away, steeply up towards contact, sharply down in contact. Exact
@@ -24,7 +24,7 @@
 
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
-#include "limber/classic.h"
+#include "reference/classic/classic.h"
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 
@@ -70,26 +70,25 @@ Answer ask(const Scene& scene, const Query& query, const Transform& pose) {
   return answer;
 }
 
-/// One query at one separation in one pose.
+/// One query at one separation.
 struct Case {
   Query query;
   double separation;
-  std::uint32_t pose_index;
   Transform pose;
   Answer answer;
   std::size_t repetitions = 1;
   std::vector<double> samples_us;
 
   std::string name() const {
-    return fmt::format("{} with error {} at {} in pose {}", query.name, query.relative_error, separation, pose_index);
+    return fmt::format("{} with error {} at {}", query.name, query.relative_error, separation);
   }
 };
 
-std::vector<Case> cases_of_pose(const Scene& scene, std::uint32_t pose_index) {
+std::vector<Case> all_cases(const Scene& scene) {
   std::vector<Case> cases;
   for (const double separation : separations) {
-    const Transform pose = scenes::ball_over_square(scene.ball.mesh(), separation, pose_index);
-    for (const Query& query : queries) cases.push_back({query, separation, pose_index, pose, {}, 1, {}});
+    const Transform pose = scenes::ball_over_square(scene.ball.mesh(), separation, 0);
+    for (const Query& query : queries) cases.push_back({query, separation, pose, {}, 1, {}});
   }
   return cases;
 }
@@ -160,7 +159,7 @@ void time_rounds(Checker& checker, const Scene& scene, std::vector<Case>& cases,
   }
 }
 
-void report_pose(const Options& options, const std::vector<Case>& cases) {
+void report(const Options& options, const std::vector<Case>& cases) {
   Table csv(options, "thesis_queries.csv");
   csv.line("query,relative_error,separation,min_us,median_us,p99_us,node_tests,primitive_tests,upper");
   for (const Case& c : cases) {
@@ -172,47 +171,18 @@ void report_pose(const Options& options, const std::vector<Case>& cases) {
   }
 }
 
-void report_mean_over_poses(const Options& options, const std::vector<std::vector<Case>>& poses) {
-  Table csv(options, "thesis_queries_poses.csv");
-  csv.line(
-      "query,relative_error,separation,poses,mean_us,fastest_pose_us,slowest_pose_us,mean_node_tests,"
-      "mean_primitive_tests");
-  for (std::size_t i = 0; i < poses.front().size(); ++i) {
-    std::vector<double> us, node_tests, primitive_tests;
-    for (const std::vector<Case>& cases : poses) {
-      us.push_back(summarize(cases[i].samples_us).min);  // too few rounds for a median to shed disturbances
-      node_tests.push_back(static_cast<double>(cases[i].answer.distance.stats.node_tests));
-      primitive_tests.push_back(static_cast<double>(cases[i].answer.distance.stats.primitive_tests));
-    }
-    const Case& c = poses.front()[i];
-    const Summary spread = summarize(us);
-    csv.line("{},{},{},{},{:.4f},{:.4f},{:.4f},{:.1f},{:.1f}", c.query.name, c.query.relative_error, c.separation,
-             poses.size(), mean(us), spread.min, spread.max, mean(node_tests), mean(primitive_tests));
-  }
-}
-
 void run(const Options& options, Checker& checker) {
-  const int rounds = options.quick ? 3 : 61, rounds_of_others = options.quick ? 1 : 3;
-  const std::uint32_t other_poses = options.quick ? 2 : 15;
+  const int rounds = options.quick ? 3 : 61;
   const Scene scene;
-  std::vector<Case> canonical = cases_of_pose(scene, 0);
-  answer_and_check(checker, scene, canonical);
-  check_by_brute_force(checker, scene, canonical);
-  std::vector<std::vector<Case>> others;
-  for (std::uint32_t index = 1; index <= other_poses; ++index) {
-    others.push_back(cases_of_pose(scene, index));
-    answer_and_check(checker, scene, others.back());
-  }
+  std::vector<Case> cases = all_cases(scene);
+  answer_and_check(checker, scene, cases);
+  check_by_brute_force(checker, scene, cases);
   if (!checker.all_right()) return;
 
-  time_rounds(checker, scene, canonical, rounds);
-  for (int round = 0; round < rounds_of_others; ++round) {
-    for (std::vector<Case>& cases : others) time_rounds(checker, scene, cases, 1);
-  }
+  time_rounds(checker, scene, cases, rounds);
   if (!checker.all_right()) return;
 
-  report_pose(options, canonical);
-  report_mean_over_poses(options, others);
+  report(options, cases);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ const read = (path) => readFileSync(join(here, path), 'utf8');
 
 /** Which data the page reads. The program says the same in clients/program/reports/page_template.h; a change of what
  * viewer/data.ts names raises both. */
-const dataFormat = 2;
+const dataFormat = 3;
 const sheets = ['node_modules/uplot/dist/uPlot.min.css', 'shared/page.css', 'viewer/page.css'];
 
 /**

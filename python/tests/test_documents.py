@@ -25,7 +25,6 @@ pytestmark = pytest.mark.skipif(not (ROOT / "README.md").is_file(), reason="the 
     ("page", "output"),
     [
         ("README.md", "2.0 Witness(point_a=(1.0, 0.0, 0.0)"),
-        ("docs/guide/uses.md", "8.0"),
         ("docs/guide/python.md", "0.0 0.0 Witness("),
         ("docs/guide/from_other_libraries_python.md", "False 1.0\n"),
         ("docs/guide/python_cluster.md", "4000 poses in 4 partitions, of which 0 were done\n1000 poses meet\n"),
@@ -66,10 +65,9 @@ def test_edges_that_a_planner_takes_for_free_are_free() -> None:
 # What each package's snippets import. trimesh needs the others for collisions and points.
 MODULES = {
     "python-fcl": ["fcl"],
-    "Coal": ["coal", "eigenpy"],
     "trimesh": ["trimesh", "trimesh.collision", "fcl", "scipy", "rtree"],
 }
-TOLERANCE = 1e-6  # that of Coal's iterations
+TOLERANCE = 1e-6
 
 
 def given() -> dict[str, Any]:
@@ -163,7 +161,7 @@ def test_a_wrong_snippet_is_noticed() -> None:
     assert same(1.0, 1.0 + 1e-9) and not same(1.0, 1.001) and not same({1}, {2}) and not same([1.0], [1.0, 2.0])
     assert not same({(1, 2): 0.5}, {(1, 2): 0.6}) and not same({(1, 2): 0.5}, {(1, 3): 0.5}) and not same(True, False)
     with pytest.raises(AssertionError, match="no snippet of limber3d"):
-        groups("```python\n# Coal\nhit = True\n```\n")
+        groups("```python\n# python-fcl\nhit = True\n```\n")
 
 
 def texts(notebook: Any) -> list[str]:

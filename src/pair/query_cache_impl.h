@@ -67,7 +67,7 @@ struct QueryCache::Impl {
   }
 
  private:
-  // (bench/realtime/caches.cpp)
+  // Measured: queries with and without a cache, at rest and along paths.
   static constexpr double cost_of_pair = 4, cost_of_bound = 2;                   // in pairs of nodes
   static constexpr double cost_of_recording = 0.25, cost_of_resumed_work = 1.6;  // as parts of a new traversal's
 

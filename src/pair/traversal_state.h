@@ -111,7 +111,7 @@ class WholeLeaves {
   void note(bool is_pruned) { credit_ = is_pruned ? std::min(credit_ + gain, most) : credit_ - 1; }
 
  private:
-  // In failures: a success saves about two (bench/realtime/caches.cpp).
+  // In failures: a success saves about two, as measured.
   static constexpr int gain = 2, at_first = 8, most = 64;
 
   int credit_ = 0;

@@ -1,14 +1,22 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Queries do not touch the heap, and in real time updates do not either. What changes a scene does, and each of its
-// allocations fails once, alone or with all that follow: afterwards the scene is as before the call, and the same call
-// works.
+// Queries do not touch the heap, and in real time updates do not either: ticks make no system call but to read the
+// clock, so they take no lock that may wait. What changes a scene does touch the heap, and each of its allocations
+// fails once, alone or with all that follow: afterwards the scene is as before the call, and the same call works.
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <new>
 #include <span>
@@ -67,6 +75,15 @@ void ask_everything(const Model& square, const ClosedSurface& surface, QueryCach
   self_element_pairs(ball, 0.1, vertex_face_found, edge_edge_found);
 }
 
+/// The first call of a function may allocate, and those that follow do not.
+template <typename Function>
+void expect_none_after_the_first(int count, const Function& function) {
+  function(0);
+  const std::uint64_t before = allocation_count();
+  for (int i = 1; i < count; ++i) function(i);
+  EXPECT_EQ(allocation_count(), before);
+}
+
 TEST(Allocation, IsSeenByThisTest) {
   const std::uint64_t before = allocation_count();
   const Model model(scenes::thesis_ball());
@@ -78,7 +95,8 @@ TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
   MovingModel still(square), moving(ball);
   const Placed above{ball, scenes::ball_over_square(ball.mesh(), 0.5, 0)};
   std::vector<double> displacements(ball.mesh().positions().size());
-  const auto step = [&](double way) {
+  expect_none_after_the_first(5, [&](int step) {
+    const double way = 0.1 * step;
     still.set_motion(square.mesh().positions()).value();
     moving.set_motion(ball.mesh().positions(), above.pose, above.pose * Transform{{}, {0, way, 0}}).value();
     static_cast<void>(time_of_impact(moving, still, {.budget = {.max_steps = 1000}}));
@@ -87,11 +105,7 @@ TEST(Allocation, DoesNotHappenInStepsOfMovingModels) {
     std::fill(displacements.begin(), displacements.end(), 1.0);
     limit_displacements(above, {square}, 0.01, displacements);
     limit_self_displacements(ball, 0, displacements);
-  };
-  step(0.1);
-  const std::uint64_t before = allocation_count();
-  for (int i = 0; i < 4; ++i) step(0.1 * i);
-  EXPECT_EQ(allocation_count(), before);
+  });
 }
 
 TEST(Allocation, HardlyHappensWhereSmallBodiesFlyPastEachOther) {
@@ -111,9 +125,7 @@ TEST(Allocation, HardlyHappensWhereSmallBodiesFlyPastEachOther) {
 TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   QueryCache cache;
-  static_cast<void>(distance({square}, {ball}, {.cache = &cache, .budget = {.max_steps = 1}}));
-  const std::uint64_t before = allocation_count();
-  for (int i = 0; i < 20; ++i) {
+  expect_none_after_the_first(20, [&](int i) {
     const Placed a{square}, b{ball, {{}, {0.01 * i, 0, 3}}};
     const QueryBudget steps{.max_steps = 10};
     const QueryBudget time{.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(5)};
@@ -123,22 +135,19 @@ TEST(Allocation, DoesNotHappenInQueriesWithABudget) {
       static_cast<void>(collide(a, b, {.cache = &cache, .budget = budget}));
       static_cast<void>(within(a, b, 1, {.cache = &cache, .budget = budget}));
     }
-  }
-  EXPECT_EQ(allocation_count(), before);
+  });
 }
 
 TEST(Allocation, DoesNotHappenInReductionsInMemoryThatHasGrown) {
   const Model ball(scenes::thesis_ball());
   std::vector<Contact> contacts(100'000);
   ReductionMemory memory;
-  const auto reduce = [&](double gap) {
-    const std::size_t count = limber::contacts({ball}, {ball, {{}, {2 + gap, 0, 0}}}, 0.3, contacts).count;
-    return reduce_contacts(std::span(contacts).first(count), 0.1, {.memory = &memory});
-  };
-  EXPECT_GT(reduce(0), 2U);
-  const std::uint64_t before = allocation_count();
-  for (const double gap : {0.2, 0.0, 0.1}) reduce(gap);
-  EXPECT_EQ(allocation_count(), before);
+  constexpr std::array gaps{0.0, 0.2, 0.0, 0.1};  // the first has the most contacts
+  expect_none_after_the_first(gaps.size(), [&](int i) {
+    const Transform there{{}, {2 + gaps[static_cast<std::size_t>(i)], 0, 0}};
+    const std::size_t count = limber::contacts({ball}, {ball, there}, 0.3, contacts).count;
+    EXPECT_GT(reduce_contacts(std::span(contacts).first(count), 0.1, {.memory = &memory}), 2U);
+  });
 }
 
 TEST(Allocation, DoesNotHappenInFramesOfAScene) {
@@ -149,8 +158,7 @@ TEST(Allocation, DoesNotHappenInFramesOfAScene) {
   std::array<ObjectPair, 1000> pairs;
   scenes::Rng rng(11);
   std::size_t found = 0;
-  std::uint64_t before = 0;
-  for (int frame = 0; frame < 20; ++frame) {
+  expect_none_after_the_first(20, [&](int /*frame*/) {
     for (const ObjectId id : ids) {
       scene.set_pose(id, {scenes::random_rotation(rng), {rng.uniform(0, 8), rng.uniform(0, 8), rng.uniform(0, 8)}});
     }
@@ -159,38 +167,84 @@ TEST(Allocation, DoesNotHappenInFramesOfAScene) {
     found += scene.candidate_pairs(0.1, pairs, counts).count;
     scene.remove(ids[7]);
     ids[7] = scene.add({ball});
-    if (frame == 0) before = allocation_count();
-  }
+  });
   EXPECT_GT(found, 1000U);
-  EXPECT_EQ(allocation_count(), before);
 }
+
+/// A sheet of which twenty vertices move in each tick, and how far a ball is from it.
+class RealTimeSheet {
+ public:
+  void tick() {
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+      ids_[i] = static_cast<VertexId>(rng_.below(model_.mesh().positions().size()));
+      positions_[i] = model_.mesh().positions()[ids_[i]] + Vec3{0, 0, rng_.uniform(-0.5, 0.5)};
+    }
+    model_.move_vertices(ids_, positions_).value();
+    model_.commit();
+    const QueryBudget time{.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(20)};
+    const QueryBudget steps{.max_steps = 20};
+    static_cast<void>(distance({model_}, {ball_, {{}, {32, 32, 30}}}, {.cache = &cache_, .budget = steps}));
+    static_cast<void>(distance({model_}, {ball_, {{}, {32, 32, 1.7}}}, {.cache = &cache_, .budget = time}));
+  }
+  std::uint64_t rebuilt_triangles() const { return model_.maintenance_stats().rebuilt_triangles; }
+
+ private:
+  Model model_{scenes::grid(64, 64, 0, 0, 1, 1), ModelOptions::real_time(20)}, ball_{scenes::thesis_ball()};
+  QueryCache cache_;
+  scenes::Rng rng_{9};
+  std::array<VertexId, 20> ids_;
+  std::array<Vec3, 20> positions_;
+};
 
 TEST(Allocation, DoesNotHappenInRealTime) {
 #ifdef LIMBER_CHECKS
   GTEST_SKIP() << "commits of this build validate the tree, which allocates";
 #endif
-  Model model(scenes::grid(64, 64, 0, 0, 1, 1), ModelOptions::real_time(20));
-  const Model ball(scenes::thesis_ball());
-  QueryCache cache;
-  static_cast<void>(distance({model}, {ball}, {.cache = &cache}));
-  scenes::Rng rng(9);
-  std::array<VertexId, 20> ids;
-  std::array<Vec3, 20> positions;
-  const std::uint64_t before = allocation_count();
-  for (int frame = 0; frame < 5000; ++frame) {
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      ids[i] = static_cast<VertexId>(rng.below(model.mesh().positions().size()));
-      positions[i] = model.mesh().positions()[ids[i]] + Vec3{0, 0, rng.uniform(-0.5, 0.5)};
-    }
-    const bool is_moved = static_cast<bool>(model.move_vertices(ids, positions));
-    model.commit();
-    const QueryBudget time{.deadline = std::chrono::steady_clock::now() + std::chrono::microseconds(20)};
-    const QueryBudget steps{.max_steps = 20};
-    static_cast<void>(distance({model}, {ball, {{}, {32, 32, 30}}}, {.cache = &cache, .budget = steps}));
-    static_cast<void>(distance({model}, {ball, {{}, {32, 32, 1.7}}}, {.cache = &cache, .budget = time}));
-    if (!is_moved || allocation_count() != before) FAIL() << frame;
+  RealTimeSheet sheet;
+  expect_none_after_the_first(5000, [&](int /*frame*/) { sheet.tick(); });
+  EXPECT_GT(sheet.rebuilt_triangles(), 20'000U);
+}
+
+constexpr int cannot_filter = 77;
+
+/// From now on, any system call but those to read the clock and to exit ends the process with the signal SIGSYS.
+bool allow_only_the_clock() {
+  std::array filter = {sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+                       sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_clock_gettime, 1, 0),
+                       sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_exit_group, 0, 1),
+                       sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+                       sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS)};
+  const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
+  return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
+}
+
+/// How a child process ends that works under the filter, as waitpid() says it.
+template <typename Work>
+int end_of_filtered(const Work& work) {
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!allow_only_the_clock()) _exit(cannot_filter);
+    work();
+    _exit(0);
   }
-  EXPECT_GT(model.maintenance_stats().rebuilt_triangles, 20'000U);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+TEST(SystemCalls, AreNotMadeInRealTimeButToReadTheClock) {
+#if defined(LIMBER_CHECKS) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "checks of commits allocate, and sanitizers make system calls of their own";
+#endif
+  RealTimeSheet sheet;
+  sheet.tick();
+  const int end = end_of_filtered([&] {
+    for (int i = 0; i < 2000; ++i) sheet.tick();
+  });
+  if (WIFEXITED(end) && WEXITSTATUS(end) == cannot_filter) GTEST_SKIP() << "this kernel has no seccomp filters";
+  EXPECT_TRUE(WIFEXITED(end) && WEXITSTATUS(end) == 0) << "ended by signal " << WTERMSIG(end);
+  const int of_another = end_of_filtered([] { syscall(__NR_getpid); });
+  EXPECT_TRUE(WIFSIGNALED(of_another) && WTERMSIG(of_another) == SIGSYS);
 }
 
 // FCL #38: each query copies the mesh and moves every vertex. SOFA #5: memory leaks while bodies are in contact.
@@ -199,10 +253,7 @@ TEST(Allocation, DoesNotHappenInAWarmQuery) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const ClosedSurface surface = ClosedSurface::create(ball).value();
   QueryCache cache;
-  ask_everything(square, surface, cache);
-  const std::uint64_t before = allocation_count();
-  ask_everything(square, surface, cache);
-  EXPECT_EQ(allocation_count(), before);
+  expect_none_after_the_first(2, [&](int /*round*/) { ask_everything(square, surface, cache); });
 }
 
 auto state_of_scene(const limber::Scene& scene) {

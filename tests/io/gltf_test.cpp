@@ -8,7 +8,6 @@
 #include <map>
 #include <random>
 #include <sstream>
-#include <tuple>
 
 namespace limber {
 namespace {
@@ -228,25 +227,6 @@ TEST_F(Gltf, hidden_nodes_show_nothing_and_parts_are_named_after_nodes_or_meshes
   refuse(parts, ErrorCode::unsupported_format);
 }
 
-TEST_F(Gltf, scenes_of_too_many_elements_are_refused_by_what_they_show) {
-  GltfParts parts;
-  parts.accessors = with(parts.accessors, R"("bufferView":0,"componentType":5126,"count":3)",
-                         R"("componentType":5126,"count":100000000)");
-  refuse(parts, ErrorCode::too_large, "node 0: shows a mesh of 100000000 vertices and 1 triangles");
-  const std::string points = R"([{"attributes":{"POSITION":0},"mode":0}])", long_name(1'000'000, 'n');
-  for (const auto& [count, name, primitives] : {std::tuple{"4000000000", std::string(), parts.primitives},
-                                                {"4000000000", "", points},
-                                                {"10000", long_name, parts.primitives}}) {
-    GltfParts instances;
-    instances.primitives = primitives;
-    instances.accessors = with(instances.accessors, "}]",
-                               R"(},{"componentType":5126,"type":"VEC3","count":)" + std::string(count) + "}]");
-    instances.nodes =
-        R"([{"mesh":0,"name":")" + name + R"(","extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"SCALE":2}}}}])";
-    refuse(instances, ErrorCode::too_large);
-  }
-}
-
 TEST_F(Gltf, points_and_lines_are_passed_over) {
   for (const char* mode : {"0", "1", "2", "3"}) {
     GltfParts parts;
@@ -284,15 +264,11 @@ TEST_F(Gltf, scene_is_the_named_one_or_the_first) {
 
 TEST_F(Gltf, buffer_files_lie_in_the_folder_or_below) {
   fs::create_directories(path("below"));
-  for (const auto& [name, uri] : std::vector<std::pair<std::string, std::string>>{{"a.bin", "a.bin"},
-                                                                                  {"a.bin", "./a.bin"},
-                                                                                  {"below/b.bin", "below/b.bin"},
-                                                                                  {"a b.bin", "a%20b.bin"},
-                                                                                  {"..c.bin", "..c.bin"},
-                                                                                  {"\xC3\xA4.bin", "%C3%a4.bin"}}) {
+  for (const std::string file : {"a.bin>a.bin", "a.bin>./a.bin", "below/b.bin>below/b.bin", "a b.bin>a%20b.bin",
+                                 "..c.bin>..c.bin", "\xC3\xA4.bin>%C3%a4.bin"}) {
     GltfParts parts;
-    write(name, parts.buffer);
-    parts.uri = uri;
+    write(file.substr(0, file.find('>')), parts.buffer);
+    parts.uri = file.substr(file.find('>') + 1);
     read_parts(parts);
   }
 #if !defined(_WIN32)  // where few may make links, and the standard library of MinGW cannot
@@ -371,7 +347,7 @@ TEST_F(Gltf, required_extensions_are_known_by_their_decoded_names) {
   read_parts(parts);
 }
 
-TEST_F(Gltf, broken_accessors_are_malformed) {
+TEST_F(Gltf, each_change_of_a_sound_part_is_refused) {
   expect_refused_changes({}, &GltfParts::accessors, R"(
     "count":3 "count":4  "count":3 "count":0  "count":3 "count":-3  "count":3 "count":3.0
     "count":3 "count":18446744073709551615  "count":3 "count":99999999999999999999999  "count":3 "counts":3
@@ -379,9 +355,6 @@ TEST_F(Gltf, broken_accessors_are_malformed) {
     "bufferView":0 "bufferView":0,"byteOffset":4  "bufferView":0 "bufferView":0,"byteOffset":18446744073709551612
     "bufferView":0 "byteOffset":4  "VEC3" "VEC4"  "VEC3" 3  "VEC3" "VEC3","normalized":true  5126 5125  5126 5130
     5123 5122  5123 5126  5123 5125  "SCALAR" "VEC2"  } ,"sparse":7})");
-}
-
-TEST_F(Gltf, broken_buffer_views_are_malformed) {
   expect_refused_changes({}, &GltfParts::views, R"(
     "byteLength":36 "byteLength":43  "byteLength":36 "byteLength":35  "byteLength":36 "byteLength":0
     "byteLength":36 "byteLength":36,"byteOffset":18446744073709551615
@@ -390,9 +363,6 @@ TEST_F(Gltf, broken_buffer_views_are_malformed) {
     "byteLength":36 "byteLength":36,"byteStride":16  "byteLength":36 "byteLength":36,"byteStride":256
     "byteLength":6 "byteLength":6,"byteStride":4  "byteLength":6 "byteLength":12  "byteOffset":36 "byteOffset":35
     "buffer":0 "buffer":1)");
-}
-
-TEST_F(Gltf, broken_sparse_accessors_are_malformed) {
   expect_refused_changes(varied_gltf(), &GltfParts::accessors, R"(
     "count":2 "count":3  "count":2 "count":5  "count":2 "count":0
     "indices":{"bufferView":2 "indices":{"bufferView":2,"byteOffset":1099511627776
@@ -402,6 +372,15 @@ TEST_F(Gltf, broken_sparse_accessors_are_malformed) {
     "values":{"bufferView":3} "values":{"bufferView":3,"byteOffset":4}
     "values":{"bufferView":3} "values":{"bufferView":3,"byteOffset":18446744073709551608}
     "componentType":5123} "componentType":5126})");
+  GltfParts parts;
+  parts.nodes = R"([{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}])";
+  expect_refused_changes(parts, &GltfParts::nodes, R"(1]} 2]}  [1,0,0,0 [1,0,0,1  ,1]} ]}  } ,"scale":[1,1,1]})");
+  parts.nodes = R"([{"mesh":0,"rotation":[0,0,0,1],"translation":[0,0,0],"scale":[1,1,1]}])";
+  expect_refused_changes(parts, &GltfParts::nodes, R"(
+    0,1] 0,0]  0,0,1] 0,1]  [0,0,0], [0,0,"x"],  [1,1,1] 1  [1,1,1] [1e999,1,1]  [1,1,1] [1e300,1,1])");
+}
+
+TEST_F(Gltf, sparse_indices_that_fall_or_name_no_element_are_malformed) {
   GltfParts falling = varied_gltf();
   std::swap(falling.buffer[68], falling.buffer[70]);  // 3, 1
   refuse(falling, ErrorCode::malformed_file, "sparse index 1 does not follow");
@@ -411,8 +390,8 @@ TEST_F(Gltf, broken_sparse_accessors_are_malformed) {
 }
 
 TEST_F(Gltf, corners_that_make_no_whole_triangles_are_malformed) {
-  for (const auto& [count, mode] : std::vector<std::pair<std::string, std::string>>{
-           {"1", "4"}, {"2", "4"}, {"2", "5"}, {"1", "6"}, {"2", "6"}, {"3", "7"}, {"3", "-1"}, {"3", "\"4\""}}) {
+  std::istringstream words(R"(1 4  2 4  2 5  1 6  2 6  3 7  3 -1  3 "4")");
+  for (std::string count, mode; words >> count >> mode;) {
     GltfParts parts;
     parts.accessors = with(parts.accessors, R"(5123,"count":3)", R"(5123,"count":)" + count);
     parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"mode":)" + mode + "}]";
@@ -430,15 +409,6 @@ TEST_F(Gltf, nodes_that_form_no_tree_are_malformed) {
     parts.scenes = R"([{"nodes":)" + scenes + "}]";
     refuse(parts);
   }
-}
-
-TEST_F(Gltf, broken_transforms_are_refused) {
-  GltfParts parts;
-  parts.nodes = R"([{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}])";
-  expect_refused_changes(parts, &GltfParts::nodes, R"(1]} 2]}  [1,0,0,0 [1,0,0,1  ,1]} ]}  } ,"scale":[1,1,1]})");
-  parts.nodes = R"([{"mesh":0,"rotation":[0,0,0,1],"translation":[0,0,0],"scale":[1,1,1]}])";
-  expect_refused_changes(parts, &GltfParts::nodes, R"(
-    0,1] 0,0]  0,0,1] 0,1]  [0,0,0], [0,0,"x"],  [1,1,1] 1  [1,1,1] [1e999,1,1]  [1,1,1] [1e300,1,1])");
 }
 
 TEST_F(Gltf, other_versions_are_unsupported) {

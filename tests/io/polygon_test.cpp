@@ -16,20 +16,6 @@ namespace {
 
 using Polygon = std::vector<std::array<int, 2>>;
 
-Polygon spiral(int arm_count) {
-  Polygon polygon = {{0, 0}}, inner = {{1, 1}};
-  constexpr std::array<std::array<int, 2>, 4> step = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
-  constexpr std::array<std::array<int, 2>, 4> inward = {{{-1, 1}, {-1, -1}, {1, -1}, {1, 1}}};
-  for (int arm = 0; arm < arm_count; ++arm) {
-    const auto side = static_cast<std::size_t>(arm % 4);
-    const int length = 4 * (arm / 2 + 1);
-    polygon.push_back({polygon.back()[0] + step[side][0] * length, polygon.back()[1] + step[side][1] * length});
-    inner.push_back({polygon.back()[0] + inward[side][0], polygon.back()[1] + inward[side][1]});
-  }
-  polygon.insert(polygon.end(), inner.rbegin(), inner.rend());
-  return polygon;
-}
-
 /// Triangles of a grid glued together at corners, one after another: the outline comes back to corners, around holes
 /// too, and along edges where that is not taken out.
 Polygon glued_triangles(std::mt19937& random) {
@@ -119,7 +105,6 @@ TEST_F(Polygons, become_triangles_that_stay_inside_wherever_they_start) {
   check({{0, 0}, {2, 1}, {4, 0}, {2, 4}}, true);
   check({{2, 2}, {0, 2}, {0, 0}, {1, 0}, {0, 1}, {1, 2}, {2, 1}}, true);
   check({{1, 0}, {0, 2}, {1, 1}, {0, 3}, {2, 2}, {1, 3}, {3, 2}, {3, 3}, {0, 3}, {0, 0}}, true);
-  for (int arms = 2; arms < 13; ++arms) check(spiral(arms), true);
   for (std::size_t round = 0; round < 300; ++round) {
     Polygon polygon;
     for (const auto& corner : glued_triangles(random)) {

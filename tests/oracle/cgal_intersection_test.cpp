@@ -64,12 +64,7 @@ TEST_P(CgalIntersection, NeverDisagrees) {
   EXPECT_LT(meeting, pairs - pairs / 1000);
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryKind, CgalIntersection,
-                         ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
-                                           PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
-                                           PairKind::tiny_coordinates, PairKind::segment_like, PairKind::one_line,
-                                           PairKind::needle));
+INSTANTIATE_TEST_SUITE_P(EveryKind, CgalIntersection, ::testing::ValuesIn(every_kind<PairKind>()));
 
 }  // namespace
 }  // namespace limber::testing

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "reference/classic/classic.h"
 #include "support/counts.h"
 #include "support/exact_distance.h"
 #include "support/random_scene.h"
@@ -44,12 +44,7 @@ TEST_P(ExactPairs, AreAsFarApartAsSaidAndMeetExactlyWhenSaid) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryKind, ExactPairs,
-                         ::testing::Values(PairKind::uniform, PairKind::lattice, PairKind::near_lattice,
-                                           PairKind::touching, PairKind::sliver, PairKind::coplanar,
-                                           PairKind::shared_edge, PairKind::mixed_scale, PairKind::far_away,
-                                           PairKind::tiny_coordinates, PairKind::segment_like, PairKind::one_line,
-                                           PairKind::needle));
+INSTANTIATE_TEST_SUITE_P(EveryKind, ExactPairs, ::testing::ValuesIn(every_kind<PairKind>()));
 
 std::vector<Triangle> placed(const Mesh& mesh, const Transform& pose) {
   std::vector<Triangle> triangles;

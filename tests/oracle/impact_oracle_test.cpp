@@ -180,14 +180,7 @@ TEST_P(ImpactOracle, NeverDisagrees) {
             << "\n";
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, ImpactOracle,
-                         ::testing::Values(MotionKind::uniform, MotionKind::crossing, MotionKind::lattice,
-                                           MotionKind::small_lattice, MotionKind::near_lattice, MotionKind::in_a_plane,
-                                           MotionKind::on_a_line, MotionKind::still, MotionKind::touching_at_start,
-                                           MotionKind::touching_at_end, MotionKind::touch_and_leave,
-                                           MotionKind::common_vertex, MotionKind::parallel_edges,
-                                           MotionKind::degenerate, MotionKind::mixed_scale, MotionKind::far_away,
-                                           MotionKind::tiny_coordinates, MotionKind::all_scales),
+INSTANTIATE_TEST_SUITE_P(Kinds, ImpactOracle, ::testing::ValuesIn(every_kind<MotionKind>()),
                          ::testing::PrintToStringParamName());
 
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Answers that depended on the processor, on threads or on chance, and questions that never got one.
+// Answers that depended on the processor, on threads or on chance, questions that never got one, and work without need,
+// in counts that do not depend on the machine.
 #include <oneapi/tbb/task_arena.h>
 
 #include <bit>
@@ -9,7 +10,7 @@
 #include "limber/points.h"
 #include "limber/scene.h"
 #include "peers.h"
-#include "scenes/answer_hash.h"
+#include "scenes/scenes.h"
 #include "simd/kernels.h"
 
 namespace limber::testing {
@@ -40,33 +41,6 @@ TEST(Determinism, DistancesHaveTheBitsThatAreWrittenHere) {
   EXPECT_EQ(bits, 0xe160890c52257049U);
 }
 
-// Embree #423: an edge far from a triangle hits it, with all instruction sets but AVX2.
-TEST(Determinism, NoInstructionSetSeesAnEdgeHitATriangleThatItMisses) {
-  scenes::Rng rng(423);
-  std::size_t hits = 0, misses = 0;
-  for (int i = 0; i < 800; ++i) {
-    const Triangle t{random_point(rng, 1.5), random_point(rng, 1.5), random_point(rng, 1.5)};
-    // The edge passes by a corner, beyond it or short of it, or ends next to the plane.
-    const double off = std::pow(10.0, rng.uniform(-17, -1)) * (i % 2 == 0 ? 1 : -1);
-    const Vec3 inward = 0.5 * (t.v1 + t.v2) - t.v0, along = random_point(rng, 1);
-    const Vec3 by = t.v0 + off * inward;
-    const Segment edge = i % 3 == 0 ? Segment{by, by + 2.0 * along} : Segment{by - along, by + along};
-    const Triangle edge_triangle{edge.p0, edge.p1, edge.p1};
-    const bool truth = exact::squared_distance(t, edge_triangle) == 0;
-    (truth ? hits : misses) += 1;
-    const Model a(triangles_of({t})), b(triangles_of({edge_triangle}));
-    ASSERT_EQ(intersects(edge, t), truth) << i;
-    for (const simd::Kernels& set : simd::all_kernels()) {
-      simd::use_kernels(&set);
-      EXPECT_EQ(collide({a}, {b}).is_yes(), truth) << i << ' ' << set.name;
-      EXPECT_EQ(distance({a}, {b}).upper == 0, truth) << i << ' ' << set.name;
-    }
-    simd::use_kernels(nullptr);
-  }
-  EXPECT_GT(hits, 100U);
-  EXPECT_GT(misses, 100U);
-}
-
 // Embree #520, CloudCompare #2247, Charm++ #3067: one question gets several answers. Embree #20: building on many
 // threads gives triangles other names in every run.
 TEST(Determinism, AnswersDoNotDependOnThreadsOrOnWhatWasAskedBefore) {
@@ -75,6 +49,37 @@ TEST(Determinism, AnswersDoNotDependOnThreadsOrOnWhatWasAskedBefore) {
     oneapi::tbb::task_arena(threads).execute([&] { results.push_back(total(scenes::answer_hashes(1))); });
   }
   for (const std::uint64_t result : results) EXPECT_EQ(result, results.front());
+}
+
+// Warp #1258: two queries in one kernel overwrite each other's stack. A query is asked in the middle of another one,
+// about the models that this one is about.
+TEST(Determinism, AQuestionMayBeAskedInTheMiddleOfAnother) {
+  const Model ring(scenes::ring(24, 12, 0.3)), ball(scenes::ball(16, 10));
+  const Placed a{ring}, b{ball, at(0.9, 0.1, 0.4)};
+  const std::size_t alone = contacts(a, b, 0.1, {}).count;
+  const double truth = distance(a, b).upper, other = distance(a, {ball, at(3)}).upper;
+  std::vector<TrianglePair> plain, nested;
+  visit_intersections(a, b, [&](const TrianglePair& p) {
+    plain.push_back(p);
+    return true;
+  });
+  visit_intersections(a, b, [&](const TrianglePair& p) {
+    nested.push_back(p);
+    EXPECT_EQ(distance(a, b).upper, truth);
+    EXPECT_EQ(distance(a, {ball, at(3)}).upper, other);
+    std::size_t inner = 0;
+    visit_contacts(a, b, 0.1, [&](const Contact&) {
+      inner += 1;
+      if (inner == 1) {
+        EXPECT_EQ(contacts(a, b, 0.1, {}).count, alone);
+      }
+      return true;
+    });
+    EXPECT_EQ(inner, alone);
+    return true;
+  });
+  EXPECT_GT(plain.size(), 10U);
+  EXPECT_EQ(nested, plain);
 }
 
 // SOFA #2651, #571: at a distance of 0 a message is missing, or comes without end while the scene hangs.
@@ -95,6 +100,55 @@ TEST(Determinism, ZeroDistanceIsAnOrdinaryAnswerThatComesSoon) {
   const ClosestPoints line = closest_points(Segment{{0, 0, 0}, {1, 0, 0}}, Segment{{1, 0, 0}, {2, 0, 0}});
   EXPECT_EQ(line.distance, 0);
   EXPECT_EQ(line.point_a, (Vec3{1, 0, 0}));
+}
+
+std::uint64_t steps(const QueryStats& stats) { return stats.node_tests + stats.primitive_tests; }
+
+// FCL #276: a distance costs ten to a hundred times as much as a collision. It takes fewer steps than a body has
+// triangles, and fewer yet where a rough one will do.
+TEST(Effort, OfADistanceIsBelowTheNumberOfTriangles) {
+  scenes::Rng rng(276);
+  const Model a(scenes::ring(60, 30, 0.3)), b(scenes::ball(48, 32));
+  const int poses = 60;
+  std::uint64_t exactly = 0, roughly = 0;
+  for (int i = 0; i < poses; ++i) {
+    const Placed there{b, random_pose(rng, 3)};
+    exactly += steps(distance({a}, there).stats);
+    roughly += steps(distance({a}, there, {.relative_error = 0.1}).stats);
+  }
+  EXPECT_LT(exactly / poses, a.mesh().triangles().size());
+  EXPECT_LT(roughly, exactly);
+}
+
+// Drake #15080, PR #15221: contact of a body that deforms compares all pairs, because trees are made for rigid meshes.
+TEST(Effort, ContactsOfABodyThatDeformsNeedNoPassOverAllPairs) {
+  const Mesh rest = scenes::ball(24, 16);
+  Model body(rest);
+  const Model floor(scenes::grid(20, 20, -2, -2, 0.2, 0.2));
+  const std::size_t all_pairs = rest.triangles().size() * floor.mesh().triangles().size();
+  for (int frame = 1; frame <= 5; ++frame) {
+    std::vector<Vec3> positions = rest.positions();
+    for (Vec3& p : positions) p.x += 0.08 * frame * p.y * p.z, p.z *= 1 + 0.08 * frame;
+    body.move_all(positions).value();
+    body.commit();
+    const Placed there{body, at(0, 0, 0.9)};
+    const PairCount found = contacts({floor}, there, 0.001, {});
+    EXPECT_EQ(found.count, reference::contacts(in_reference({floor}), in_reference(there), 0.001).size());
+    EXPECT_LT(steps(found.stats), all_pairs / 100) << frame;
+  }
+}
+
+// PhysX (Omniverse) #399: whether bodies are closer than a tolerance is asked by listing all pairs that are, which is
+// slow.
+TEST(Effort, AThresholdIsCheaperThanTheListOfPairsBelowIt) {
+  const Model a(scenes::ball(48, 32));
+  const Placed there{a, at(1.99, 0.05, 0.02)};
+  const CollideResult near = within({a}, there, 0.3);
+  const PairCount listed = contacts({a}, there, 0.3, {});
+  EXPECT_TRUE(near.is_yes());
+  EXPECT_GT(listed.count, 1000U);
+  EXPECT_LT(steps(near.stats), 200U);
+  EXPECT_LT(20 * steps(near.stats), steps(listed.stats));
 }
 
 }  // namespace

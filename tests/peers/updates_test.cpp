@@ -36,37 +36,6 @@ const std::vector<ModelOptions> all_options{
     ModelOptions::real_time(50),
 };
 
-// python-fcl #45: a mesh can only be replaced, not updated. three-mesh-bvh #879: the nodes that a vertex belongs to are
-// unknown. EBGeometry #116, #117: there is no update at all.
-TEST(Updates, OfSomeVerticesLeaveAModelThatAnswersLikeANewOne) {
-  const Mesh rest = scenes::ring(20, 10, 0.3);
-  const Model ball(scenes::ball(8, 6));
-  for (const ModelOptions& options : all_options) {
-    scenes::Rng rng(45);
-    Model model(rest, options);
-    for (int step = 0; step < 20; ++step) {
-      std::vector<VertexId> ids;
-      std::vector<Vec3> places;
-      for (std::uint64_t k = 1 + rng.below(step % 4 == 0 ? 60 : 3); k > 0; --k) {
-        ids.push_back(static_cast<VertexId>(rng.below(rest.positions().size())));
-        places.push_back(model.mesh().positions()[ids.back()] + (step % 5 == 0 ? 1.0 : 0.05) * random_point(rng, 1));
-      }
-      model.move_vertices(ids, places).value();
-      model.commit();
-      expect_like_new(model, {ball, random_pose(rng, 2)});
-    }
-    // Single vertices, in and out by every amount: bounds above them stay as they are, or change on some levels.
-    for (int step = 0; step < 300; ++step) {
-      const std::vector<VertexId> one{static_cast<VertexId>(rng.below(rest.positions().size()))};
-      const Vec3 home = rest.positions()[one[0]];
-      const std::vector<Vec3> place{home + std::pow(10.0, rng.uniform(-6, 0)) * random_point(rng, 1)};
-      model.move_vertices(one, place).value();
-      model.commit();
-      ASSERT_TRUE(static_cast<bool>(model.validate())) << step;
-    }
-  }
-}
-
 // Newton PR #3828, #3846: contacts are sought in a tree of an earlier pose: layers of cloth that lie apart at rest and
 // were moved together have none. Here the question is refused until the tree is right.
 TEST(Updates, AreNeverForgottenByAQuery) {
@@ -123,26 +92,6 @@ TEST(Updates, SurviveJumpsAndAreAsGoodAsNewAfterARebuild) {
   }
 }
 
-// Warp PR #1507, #1506, #860, tinybvh PR #122: a refit of a tree with one leaf reads beyond it, or crashes.
-TEST(Updates, WorkInTreesOfOneLeafAndAFewMore) {
-  const Model probe(box({0.1, 0.1, 0.1}));
-  for (std::uint32_t count = 1; count <= 18; ++count) {
-    for (const ModelOptions& options : all_options) {
-      scenes::Rng rng(count);
-      Model model(scenes::random_soup(rng, count, 0.5), options);
-      for (int step = 0; step < 4; ++step) {
-        const std::vector<VertexId> one{static_cast<VertexId>(rng.below(3 * count))};
-        const std::vector<Vec3> place{random_point(rng, 3)};
-        model.move_vertices(one, place).value();
-        model.commit();
-        expect_like_new(model, {probe, at(0.3, 0.2, 0.1)});
-        deform(model, Mesh(model.mesh()), [](const Vec3& p) { return 1.5 * p + Vec3{0.1, 0, 0}; });
-        expect_like_new(model, {probe, at(1.3, 0.2, 0.1)});
-      }
-    }
-  }
-}
-
 // mitsuba2 #526, #531, #276, #383: positions are replaced, the tree is not, and geometry vanishes over some frames.
 // UPBGE #703, PR #835: the physics of a deformed mesh is that of the mesh at rest. Embree #389: a wall of a moved ball
 // stays where it was. fluid-engine-dev PR #271: an update does not reach the tree; a rebuild in each frame is feared.
@@ -163,33 +112,6 @@ TEST(Updates, FollowABodyThroughManyFramesWithoutRebuildingItAll) {
   }
   EXPECT_EQ(body.maintenance_stats().rebuilt_triangles, 0U);
   EXPECT_LE(body.maintenance_stats().refits, 30 * body.tree_stats().nodes);
-}
-
-// three-mesh-bvh #447, #330: a mesh is moved, and queries know only where it was. #547, #403, #409, #826: it is bent by
-// bones, and they know its pose at rest.
-TEST(Updates, AndPosesReachEveryQuery) {
-  const Mesh rest = stretched(scenes::ball(16, 24), {0.2, 0.2, 2});
-  const Model target(box({0.1, 0.1, 0.1}));
-  Model arm(rest);
-  for (int step = 0; step <= 12; ++step) {
-    const double angle = 0.2 * step;
-    const auto bent = [&](const Vec3& p) {  // a bone from 0 to 2 along z turns around the x axis
-      const double w = p.z <= 0 ? 0 : std::min(1.0, p.z), c = scenes::cosine(w * angle), s = scenes::sine(w * angle);
-      return Vec3{p.x, c * p.y - s * p.z, s * p.y + c * p.z};
-    };
-    deform(arm, rest, bent);
-    const Vec3 tip = bent({0, 0, 2});
-    EXPECT_LE(closest_point({arm}, tip).closest->distance, 1e-15) << step;
-    EXPECT_TRUE(collide({arm}, {target, {{}, tip}}).is_yes()) << step;
-    scenes::Rng rng(447);
-    const Transform pose = random_pose(rng, 10);
-    EXPECT_LE(closest_point({arm, pose}, pose(tip)).closest->distance, 1e-14) << step;
-    EXPECT_TRUE(collide({arm, pose}, {target, {{}, pose(tip)}}).is_yes()) << step;
-    if (step >= 4) {
-      EXPECT_FALSE(collide({arm}, {target, at(0, 0, 2)}).is_yes()) << step;
-    }
-    agreed_distance({arm, pose}, {target, pose * at(0, -1.5, 1)}, 1e-13);
-  }
 }
 
 }  // namespace

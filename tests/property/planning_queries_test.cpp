@@ -13,7 +13,7 @@
 
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "scenes/planning.h"
+#include "scenes/scenes.h"
 #include "simd/kernels.h"
 #include "support/brute_force.h"
 #include "support/counts.h"

@@ -4,8 +4,10 @@
 // Queries of all pairs of triangles, compared one by one. They check that the traversals leave nothing out, not how two
 // triangles are compared: they call the same functions of geometry/ for that, which have exact oracles of their own.
 #include <algorithm>
+#include <deque>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -71,6 +73,32 @@ std::vector<Contact> nearest(std::vector<Contact> contacts, std::size_t count) {
   return contacts;
 }
 
+using EdgeEnds = std::vector<std::set<VertexId>>;  // the other end of each edge, by vertex
+
+EdgeEnds edge_ends_of(MeshView mesh) {
+  EdgeEnds ends(mesh.positions.size());
+  for (const Corners& corners : mesh.triangles) {
+    for (const VertexId v : corners) ends[v].insert(corners.begin(), corners.end());
+  }
+  return ends;
+}
+
+constexpr std::uint32_t unreached = std::numeric_limits<std::uint32_t>::max();
+
+/// How many edges each vertex is away from one.
+std::vector<std::uint32_t> path_lengths(const EdgeEnds& ends, VertexId from) {
+  std::vector<std::uint32_t> lengths(ends.size(), unreached);
+  lengths[from] = 0;
+  std::deque<VertexId> waiting{from};
+  for (; !waiting.empty(); waiting.pop_front()) {
+    const VertexId v = waiting.front();
+    for (const VertexId w : ends[v]) {
+      if (lengths[w] == unreached) lengths[w] = lengths[v] + 1, waiting.push_back(w);
+    }
+  }
+  return lengths;
+}
+
 }  // namespace
 
 std::vector<TrianglePair> intersections(const Placed& a, const Placed& b) {
@@ -134,6 +162,24 @@ std::vector<Contact> closest_pairs(const Placed& a, const Placed& b, std::size_t
 
 std::vector<Contact> self_closest_pairs(MeshView mesh, std::size_t count) {
   return nearest(self_contacts(mesh, std::numeric_limits<double>::max()), count);
+}
+
+std::vector<TrianglePair> near_pairs(MeshView mesh, std::uint32_t edges) {
+  const EdgeEnds ends = edge_ends_of(mesh);
+  std::vector<TrianglePair> pairs;
+  for (TriangleId i = 0; i < mesh.triangles.size(); ++i) {
+    std::set<TriangleId> near;
+    for (const VertexId from : mesh.triangles[i]) {
+      const std::vector<std::uint32_t> lengths = path_lengths(ends, from);
+      for (TriangleId j = i + 1; j < mesh.triangles.size(); ++j) {
+        for (const VertexId v : mesh.triangles[j]) {
+          if (lengths[v] != unreached && lengths[v] <= edges) near.insert(j);
+        }
+      }
+    }
+    for (const TriangleId j : near) pairs.push_back({i, j});
+  }
+  return pairs;
 }
 
 }  // namespace limber::reference

@@ -3,7 +3,6 @@
 #include <limits>
 #include <vector>
 
-#include "base/arguments.h"
 #include "base/float_environment.h"
 #include "geometry/primitives.h"
 #include "reference/place.h"
@@ -36,8 +35,6 @@ CollideResult collide(const Placed& a, const Placed& b) {
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  base::check_options(options, "limber::reference::distance");
-  base::check_has_no_cache_or_budget(options, "limber::reference::distance");
   DistanceResult result;
   result.upper = infinity;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
@@ -63,13 +60,40 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 
 CollideResult within(const Placed& a, const Placed& b, double max_distance) {
   const base::DefaultFloatEnvironment environment;
-  base::check_max_distance(max_distance);
   CollideResult result;
   const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
   result.stats = closest.stats;
   result.answer = closest.status != DistanceStatus::beyond_limit ? Answer::yes : Answer::no;
   result.witness = closest.witness;
   return result;
+}
+
+std::vector<ObjectPair> pairs_within(std::span<const Placed> objects, double max_distance) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_max_distance(max_distance);
+  std::vector<ObjectPair> pairs;
+  for (ObjectId a = 0; a < objects.size(); ++a) {
+    for (ObjectId b = a + 1; b < objects.size(); ++b) {
+      if (within(objects[a], objects[b], max_distance).is_yes()) pairs.push_back({a, b});
+    }
+  }
+  return pairs;
+}
+
+ClosestObjectsResult closest_objects(std::span<const Placed> objects, const DistanceOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::reference::closest_objects");
+  ClosestObjectsResult closest;
+  closest.result.status = DistanceStatus::beyond_limit;
+  closest.result.lower = options.max_distance;
+  closest.result.upper = std::numeric_limits<double>::infinity();
+  for (ObjectId a = 0; a < objects.size(); ++a) {
+    for (ObjectId b = a + 1; b < objects.size(); ++b) {
+      const DistanceResult result = distance(objects[a], objects[b], options);
+      if (result.upper < closest.result.upper) closest = {{a, b}, result};
+    }
+  }
+  return closest;
 }
 
 }  // namespace limber::reference

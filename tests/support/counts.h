@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef LIMBER_TESTS_SUPPORT_COUNTS_H
-#define LIMBER_TESTS_SUPPORT_COUNTS_H
+#pragma once
 
 #include <cstdint>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 namespace limber::testing {
 
@@ -15,6 +15,12 @@ inline std::uint64_t count_from(const char* variable, std::uint64_t usual) {
   return text != nullptr ? std::stoull(text) : usual;
 }
 
-}  // namespace limber::testing
+/// The values of an enumeration that ends with `count`.
+template <typename Kind>
+std::vector<Kind> every_kind() {
+  std::vector<Kind> kinds;
+  for (int i = 0; i < static_cast<int>(Kind::count); ++i) kinds.push_back(static_cast<Kind>(i));
+  return kinds;
+}
 
-#endif  // LIMBER_TESTS_SUPPORT_COUNTS_H
+}  // namespace limber::testing

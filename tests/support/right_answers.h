@@ -23,20 +23,46 @@ inline DistanceOptions with(DistanceOptions options, QueryCache* cache, const Qu
 /// The distance of two models, and how far rounding may be off.
 struct Truth {
   double distance, tolerance;
+  double size = 0;  ///< of the largest coordinate; above 0, slivers that meet may share a point that is off by more
 };
 
+/// The smallest height of a triangle as a part of `size`. Edges are divided first, so no product vanishes or overflows.
+inline double relative_height(const Triangle& t, double size) {
+  const Vec3 p = (1 / size) * (t.v1 - t.v0), q = (1 / size) * (t.v2 - t.v0);
+  const double longest = std::max({length(p), length(q), length(q - p)});
+  return longest == 0 ? 0 : length(cross(p, q)) / longest;
+}
+
+/// How far off the shared point of triangles that meet may be if one is a sliver (docs/algorithms/numerics.md). `size`
+/// is at least their largest coordinate.
+inline double sliver_tolerance(const Triangle& a, const Triangle& b, double size) {
+  if (!(size > 0x1p-1000)) return 0;
+  const double height = std::min(relative_height(a, size), relative_height(b, size));
+  return size * std::min(0x1p-50 / std::max(height, 0x1p-100), 0x1p-26);
+}
+
+/// How far apart points are, also where squares of differences underflow.
+inline double distance_between(const Vec3& a, const Vec3& b) { return std::hypot(b.x - a.x, b.y - a.y, b.z - a.z); }
+
 template <typename Placed>
-std::string wrong_witness(const Witness& w, const Placed& a, const Placed& b, double distance, double tolerance) {
-  const auto lies_on = [&](const Vec3& point, const Placed& placed, TriangleId id) {
+std::string wrong_witness(const Witness& w, const Placed& a, const Placed& b, double distance, const Truth& truth) {
+  const auto in_world = [](const Placed& placed, TriangleId id) {
     const Triangle t = placed.model().mesh().triangle(id);
-    const Triangle world{placed.pose(t.v0), placed.pose(t.v1), placed.pose(t.v2)};
-    return closest_points(point, world).distance <= 10 * tolerance;
+    return Triangle{placed.pose(t.v0), placed.pose(t.v1), placed.pose(t.v2)};
   };
-  if (!lies_on(w.point_a, a, w.triangle_a) || !lies_on(w.point_b, b, w.triangle_b))
-    return "a point is not on its triangle";
+  if (w.triangle_a >= a.model().mesh().triangles().size() || w.triangle_b >= b.model().mesh().triangles().size())
+    return "there is no such triangle";
+  const Triangle t = in_world(a, w.triangle_a), u = in_world(b, w.triangle_b);
+  const double off = 10 * truth.tolerance + (distance == 0 ? sliver_tolerance(t, u, truth.size) : 0);
+  // Poses put the largest coordinates farther away than closest_points() takes, but not more than four times.
+  const auto is_off = [&](const Vec3& p, const Triangle& on) {
+    return !(closest_points(0.25 * p, {0.25 * on.v0, 0.25 * on.v1, 0.25 * on.v2}).distance <= 0.25 * off);
+  };
+  if (is_off(w.point_a, t) || is_off(w.point_b, u)) return "a point is not on its triangle";
   if (distance == 0 && w.point_a != w.point_b) return "the shared point is two";
-  const double apart = closest_points(w.point_a, Triangle{w.point_b, w.point_b, w.point_b}).distance;
-  return std::abs(apart - distance) <= tolerance + 0x1p-1021 ? "" : "the points are not as far apart";
+  if (distance == 0 && !intersects(t, u)) return "the triangles do not meet";
+  const double apart = distance_between(w.point_a, w.point_b);
+  return std::abs(apart - distance) <= truth.tolerance + 0x1p-1021 ? "" : "the points are not as far apart";
 }
 
 template <typename Placed>
@@ -54,7 +80,7 @@ std::string wrong_answer(const DistanceResult& r, const DistanceOptions& asked, 
     const bool is_said = std::isinf(r.upper) && r.lower >= asked.max_distance;
     return is_beyond && is_said ? "" : "it is not beyond the limit";
   }
-  if (const std::string wrong = wrong_witness(*r.witness, a, b, r.upper, tolerance); !wrong.empty()) return wrong;
+  if (const std::string wrong = wrong_witness(*r.witness, a, b, r.upper, truth); !wrong.empty()) return wrong;
   if (r.status == DistanceStatus::interrupted) return "";
   const bool meets = distance == 0;
   if ((r.upper == 0) != meets || (r.status == DistanceStatus::collision) != meets)
@@ -74,7 +100,9 @@ std::string wrong_answer(const CollideResult& r, double limit, const Placed& a, 
   if (r.is_no() && truth.distance <= limit - tolerance) return "no is wrong";
   if ((r.answer == Answer::undecided) != (r.stopped_by != StoppedBy::nothing)) return "interrupted by nothing";
   if (r.witness.has_value() != r.is_yes()) return "a witness is missing, or there without reason";
-  return r.witness && limit == 0 ? wrong_witness(*r.witness, a, b, 0, truth.tolerance) : "";
+  if (!r.witness) return "";
+  const double apart = limit == 0 ? 0 : distance_between(r.witness->point_a, r.witness->point_b);
+  return apart > limit + tolerance ? "the points are too far apart" : wrong_witness(*r.witness, a, b, apart, truth);
 }
 
 /// Asks for the distance with any errors and limit, whether the models meet, or whether they are within a limit.

@@ -33,16 +33,6 @@ struct SheetAndBall {
   double truth = distance(a, b).upper;
 };
 
-TEST(Budget, WithoutLimitsChangesNothing) {
-  const SheetAndBall s;
-  const DistanceResult plain = distance(s.a, s.b), budgeted = distance(s.a, s.b, {.budget = {}});
-  EXPECT_EQ(budgeted.upper, plain.upper);
-  EXPECT_EQ(budgeted.lower, plain.lower);
-  EXPECT_EQ(budgeted.status, DistanceStatus::exact);
-  EXPECT_EQ(budgeted.stopped_by, StoppedBy::nothing);
-  EXPECT_EQ(budgeted.stats.node_tests, plain.stats.node_tests);
-}
-
 TEST(Budget, OfStepsGivesIntervalsThatHoldTheDistance) {
   const SheetAndBall s;
   int interrupted = 0;
@@ -245,19 +235,6 @@ TEST(Endings, ComeWhenEveryDeadlineHasPassed) {
       return std::pair(found.stats, is_done);
     });
     EXPECT_TRUE(effort.calls > 1 || whole.stats.node_tests < 20);
-  }
-}
-
-TEST(Endings, ComeForQueriesThatFollowEachOther) {
-  // What one query has left is of use to another that asks less, and never misleads one that asks more.
-  Rng rng(1603);
-  for (const Ending& s : endings()) {
-    const Placed a{s.a}, b{s.b, s.pose_b};
-    const Truth truth{distance(a, b).upper, 1e-14};
-    QueryCache cache;
-    for (int i = 0; i < 60; ++i) {
-      ASSERT_EQ(wrong_answer_to_any(rng, a, b, truth, &cache, {.max_steps = rng.below(200)}), "") << s.name;
-    }
   }
 }
 

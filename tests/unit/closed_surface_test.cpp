@@ -9,7 +9,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -24,19 +23,14 @@
 #include "scenes/scenes.h"
 #include "simd/kernels.h"
 #include "support/random_points.h"
+#include "support/random_solids.h"
 #include "support/rational_winding.h"
 #include "unit/kernel_cases.h"
+#include "unit/refusals.h"
 #include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
-
-/// A mesh with its normals turned round.
-Mesh turned(const Mesh& mesh) {
-  std::vector<Corners> triangles = mesh.triangles();
-  for (Corners& c : triangles) std::swap(c[1], c[2]);
-  return Mesh::create(mesh.positions(), std::move(triangles)).value();
-}
 
 Error refusal_of(std::vector<Corners> triangles) {
   VertexId most = 0;
@@ -67,29 +61,13 @@ TEST(ClosedSurface, WhatIsNotClosedIsRefusedNamingTheEdge) {
   EXPECT_LE(*refusal_of(mixed).where, 7U);
 }
 
-// Open3D #6919: all points are outside of a mesh whose triangles look inward or do not close it.
-// libigl #1204: a point on the mesh gets a distance that is no number, because a comparison has no equals sign.
-TEST(ClosedSurface, KnownAnswers) {
+TEST(ClosedSurface, OfABoxKnowsInsideHoweverNormalsPointAndWhateverTheLimit) {
+  const Mesh box = box_mesh({0, 0, 0}, {1, 1, 1});
   for (const bool is_turned : {false, true}) {
-    const Mesh box = box_mesh({0, 0, 0}, {1, 1, 1});
-    const Model model(is_turned ? turned(box) : box);
+    const Model model(is_turned ? turned_inside_out(box) : box);
     const ClosedSurface surface = ClosedSurface::create(model).value();
     EXPECT_EQ(surface.winding_number({0.5, 0.25, 0.125}), is_turned ? -1 : 1);
-    EXPECT_EQ(surface.winding_number({0.5, 0.5, 1.5}), 0);
-    EXPECT_EQ(surface.winding_number({0.5, 0.5, 1}), std::nullopt);
     EXPECT_TRUE(surface.contains({0.5, 0.5, 0x1p-1074}));
-    // Along rays that pass through corners and edges, and next to faces in their plane.
-    for (int i = 0; i < 125; ++i) {
-      constexpr double coordinates[] = {-1, 0, 0.5, 1, 2};
-      const Vec3 p{coordinates[i % 5], coordinates[i / 5 % 5], coordinates[i / 25]};
-      const double apart = closest_point({model}, p).closest->distance;
-      const bool is_in = max_abs(p - Vec3{0.5, 0.5, 0.5}) <= 0.5;
-      EXPECT_EQ(surface.contains(p), is_in) << i;
-      const SignedDistance found = surface.signed_distance(p);
-      EXPECT_EQ(found.is_inside, is_in) << i;
-      EXPECT_EQ(found.distance(), is_in ? -apart : apart) << i;
-      EXPECT_EQ(std::signbit(found.distance()), is_in && apart > 0) << i;
-    }
     EXPECT_EQ(surface.signed_distance({0.5, 0.5, 0.75}).distance(), -0.25);
     EXPECT_FALSE(surface.signed_distance({0.5, 0.5, 3}, {}, {.max_distance = 1}).closest.has_value());
     EXPECT_TRUE(surface.signed_distance({0.5, 0.5, 0.5}, {}, {.max_distance = 0.1}).is_inside);
@@ -127,6 +105,8 @@ struct Tetrahedra {
   }
 };
 
+// Open3D #6919: all points are outside of a mesh whose triangles look inward. libigl #1204: a point on the mesh gets a
+// distance that is no number, because a comparison has no equals sign.
 // Open3D #5669: lines of wrong signs through the picture of a ball. trimesh #85, #75: points outside that count as
 // inside, because a ray hits an edge three times.
 TEST(ClosedSurface, WindingNumbersOfTetrahedraAreExact) {
@@ -186,15 +166,11 @@ TEST(ClosedSurface, OfDeformingModelsIsExactWithAnyMotionMargin) {
     Model model(home, {.motion_margin = margin});
     const ClosedSurface surface = ClosedSurface::create(model).value();
     for (int step = 0; step < 4; ++step) {
-      std::vector<VertexId> ids;
-      std::vector<Vec3> positions;
-      for (VertexId v = 0; v < home.positions().size(); ++v) {
-        if (rng.below(3) != 0) continue;
-        ids.push_back(v);
-        positions.push_back(home.positions()[v] + most * rng.uniform() * uniform_point(rng));
-      }
-      model.move_vertices(ids, positions).value();
-      model.commit();
+      auto at_home = home.positions().begin();
+      deform(model, [&](const Vec3& p) {
+        const Vec3& from = *at_home++;
+        return rng.below(3) != 0 ? p : from + most * rng.uniform() * uniform_point(rng);
+      });
       const Transform pose = rng.below(2) == 0 ? Transform{} : random_pose(rng, 2);
       const std::vector<Triangle> world = placed_triangles(model.mesh(), pose);
       for (int k = 0; k < 4; ++k) {
@@ -206,23 +182,6 @@ TEST(ClosedSurface, OfDeformingModelsIsExactWithAnyMotionMargin) {
       }
     }
   }
-}
-
-TEST(ClosedSurface, NextToAFaceTheSideIsRightToTheLastDigit) {
-  Rng rng(853);
-  const Model model(scenes::ball(24, 13));
-  const ClosedSurface surface = ClosedSurface::create(model).value();
-  int inside = 0, near = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const Triangle t = model.mesh().triangle(static_cast<TriangleId>(rng.below(model.mesh().triangles().size())));
-    const double u = rng.uniform(0.1, 0.4), v = rng.uniform(0.1, 0.4);
-    const Vec3 point = nudged(rng, point_on(t, u, v), 3);
-    const int side = orient3d(t.v0, t.v1, t.v2, point);
-    ASSERT_EQ(surface.contains(point), side <= 0) << "case " << i;
-    inside += side < 0 ? 1 : 0, near += side != 0 ? 1 : 0;
-  }
-  EXPECT_GT(inside, 500);
-  EXPECT_GT(near - inside, 500);
 }
 
 TEST(ClosedSurface, BatchesAreThoseOneByOne) {
@@ -250,27 +209,23 @@ TEST(ClosedSurface, MisuseIsRefused) {
   const ClosedSurface surface = ClosedSurface::create(model).value();
   constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
   const Transform scaled{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}, {}};
+  for (const auto& [point, pose] :
+       {std::pair(Vec3{not_a_number, 0, 0}, Transform{}), {Vec3{0, 0x1p201, 0}, Transform{}}, {Vec3{}, scaled}}) {
+    std::vector<SignedDistance> one(1);
+    EXPECT_THROW(static_cast<void>(surface.contains(point, pose)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(surface.winding_number(point, pose)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(surface.signed_distance(point, pose)), std::invalid_argument);
+    EXPECT_THROW(surface.signed_distance_many(std::vector{point}, one, pose), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(generalized_winding_number({model, pose}, point)), std::invalid_argument);
+  }
   std::vector<SignedDistance> results(2);
-  EXPECT_THROW(static_cast<void>(surface.contains({not_a_number, 0, 0})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(surface.contains({}, scaled)), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(surface.winding_number({0, 0x1p201, 0})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(surface.signed_distance({}, {}, {.max_distance = -1})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(surface.signed_distance({}, scaled)), std::invalid_argument);
   EXPECT_THROW(surface.signed_distance_many(std::vector<Vec3>(1), results), std::invalid_argument);
-  EXPECT_THROW(surface.signed_distance_many(std::vector<Vec3>(2, {0, not_a_number, 0}), results),
-               std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(generalized_winding_number({model}, {not_a_number, 0, 0})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(generalized_winding_number({model, scaled}, {})), std::invalid_argument);
-  const std::vector<VertexId> ids{0};
-  const std::vector<Vec3> to{{0, 0, 3}};
-  model.move_vertices(ids, to).value();
+  EXPECT_THROW(static_cast<void>(surface.signed_distance({}, {}, {.max_distance = -1})), std::invalid_argument);
+  model.move_vertices(std::vector<VertexId>{0}, std::vector<Vec3>{{0, 0, 3}}).value();
   EXPECT_THROW(static_cast<void>(surface.contains({})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(generalized_winding_number({model}, {})), std::invalid_argument);
   model.commit();
   EXPECT_TRUE(surface.contains({}));
-  model.reset(scenes::ball(8, 5));
-  EXPECT_THROW(static_cast<void>(surface.contains({})), std::invalid_argument);
-  EXPECT_TRUE(ClosedSurface::create(model).value().contains({}));
 }
 
 TEST(WindingNumber, OfOpenSurfacesIsThePartTheyCover) {
@@ -324,14 +279,6 @@ TEST(WindingNumber, IsANumberAtEveryScaleAndOnTriangles) {
 TEST(ClosedSurface, IsRefusedByAllThatKeptItOnceItsModelIsReset) {
   Mesh open = box_mesh({0, 0, 0}, {4, 4, 4});
   open = Mesh::create(open.positions(), {open.triangles().begin(), open.triangles().end() - 1}).value();
-  const auto expect_refused = [](const auto& query, const char* words) {
-    try {
-      query();
-      ADD_FAILURE() << words;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
-    }
-  };
   const Shape dot = Shape::sphere(0.01);
   const Transform inside{{}, {2, 2, 2}};
   const auto reset = [](Mesh mesh) { return [mesh](Model& m) { m.reset(mesh), m.reset(mesh); }; };
@@ -351,14 +298,23 @@ TEST(ClosedSurface, IsRefusedByAllThatKeptItOnceItsModelIsReset) {
     scene.commit();
     ASSERT_TRUE(collide(solid, probe).is_yes());
     change(model);
-    expect_refused([&] { static_cast<void>(collide(solid, probe)); }, "model a of a query was reset()");
-    expect_refused([&] { static_cast<void>(distance(probe, solid)); }, "model b of a query was reset()");
-    expect_refused([&] { static_cast<void>(closest_point(solid, {2, 2, 2})); }, "was reset()");
-    expect_refused([&] { static_cast<void>(surface.contains({2, 2, 2})); }, "has been reset");
-    expect_refused([&] { static_cast<void>(surface.solid()); }, "has been reset");
-    expect_refused([&] { static_cast<void>(scene.any_within(0)); }, "since the last commit");
-    expect_refused([&] { scene.commit(); }, "objects[0] is a solid whose model has been reset()");
-    expect_refused([&] { static_cast<void>(scene.add(solid)); }, "reset()");
+    const std::pair<std::function<void()>, std::string> queries[] = {
+        {[&] { static_cast<void>(collide(solid, probe)); }, "model a of a query was reset()"},
+        {[&] { static_cast<void>(distance(probe, solid)); }, "model b of a query was reset()"},
+        {[&] {
+           static_cast<void>(closest_point(solid, {2, 2, 2}));
+         },
+         "was reset()"},
+        {[&] {
+           static_cast<void>(surface.contains({2, 2, 2}));
+         },
+         "has been reset"},
+        {[&] { static_cast<void>(surface.solid()); }, "has been reset"},
+        {[&] { static_cast<void>(scene.any_within(0)); }, "since the last commit"},
+        {[&] { scene.commit(); }, "objects[0] is a solid whose model has been reset()"},
+        {[&] { static_cast<void>(scene.add(solid)); }, "reset()"},
+    };
+    for (const auto& [query, words] : queries) EXPECT_TRUE(is_refused(query, {words}));
     scene.remove(id);
     scene.commit();
     EXPECT_EQ(scene.size(), 1U);

@@ -139,37 +139,37 @@ TEST(DirtySet, CoversMostOfTheTreeOnceThreeQuartersAreDirty) {
 
 // --- what a motion margin absorbs ---
 
-TEST(MotionMargin, IsOffUntilItIsStarted) {
-  Sheet sheet;
-  MotionMargin margin;
-  EXPECT_FALSE(margin.is_on());
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions.data(), sheet.mesh.positions().data());
-  EXPECT_EQ(margin.slack(), 0);
-  margin.start(sheet.mesh.positions());
-  EXPECT_TRUE(margin.is_on());
-  sheet.move(7, {0, 0, 1});
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[7].z, 0);
-  margin.stop();
-  EXPECT_FALSE(margin.is_on());
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[7].z, 1);
-}
-
-TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
+struct StartedMargin : ::testing::Test {
   Sheet sheet;
   DirtySet dirty = sheet.dirty_set();
   MotionMargin margin;
-  margin.start(sheet.mesh.positions());
+
+  StartedMargin() { margin.start(sheet.mesh.positions()); }
+  const Vec3& fitted(VertexId v) const { return margin.fitted_mesh(sheet.mesh).positions[v]; }
+};
+
+TEST_F(StartedMargin, KeepsThePositionsUntilItIsStopped) {
+  EXPECT_FALSE(MotionMargin().is_on());
+  EXPECT_TRUE(margin.is_on());
+  EXPECT_EQ(margin.slack(), 0);
+  sheet.move(7, {0, 0, 1});
+  EXPECT_EQ(fitted(7).z, 0);
+  margin.stop();
+  EXPECT_FALSE(margin.is_on());
+  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions.data(), sheet.mesh.positions().data());
+}
+
+TEST_F(StartedMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   const VertexId near = 3, far = 900;
   sheet.move(near, {0, 0, 0.25});
   sheet.move(far, {0, 0, std::nextafter(0.25, 1)});
   const std::vector<VertexId> ids{near, far};
   margin.mark_beyond(sheet.mesh, ids, 0.25, dirty);
   EXPECT_EQ(margin.absorbed_count(), 1U);
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[near].z, 0);
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[far], sheet.position(far));
+  EXPECT_EQ(fitted(near).z, 0);
+  EXPECT_EQ(fitted(far), sheet.position(far));
   EXPECT_GE(margin.slack(), 0.25);
   EXPECT_LT(margin.slack(), 0.25 * (1 + 1e-9));
-
   EXPECT_EQ(dirty.nodes(sheet.lowest), nodes_at(sheet.tree, far));
   // The bounds of the positions at the last refit, and the largest displacement, hold the mesh.
   refit(sheet.tree, margin.fitted_mesh(sheet.mesh), dirty);
@@ -178,11 +178,7 @@ TEST(MotionMargin, AbsorbsUpToTheMarginAndRefitsBeyond) {
   EXPECT_EQ(margin.absorbed_count(), 0U);
 }
 
-TEST(MotionMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
-  Sheet sheet;
-  DirtySet dirty = sheet.dirty_set();
-  MotionMargin margin;
-  margin.start(sheet.mesh.positions());
+TEST_F(StartedMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
   sheet.move(5, {0, 0, 0.5});
   const std::vector<VertexId> ids(sheet.mesh.positions().size() + 1, 5);
   margin.mark_beyond(sheet.mesh, ids, 1, dirty);
@@ -197,23 +193,19 @@ TEST(MotionMargin, MeasuresDisplacementsAnewWhenAllHaveMoved) {
   EXPECT_TRUE(dirty.empty());
 }
 
-TEST(MotionMargin, RefitsSomeOrAllOfWhatHasMovedTooFar) {
-  Sheet sheet;
-  DirtySet dirty = sheet.dirty_set();
-  MotionMargin margin;
-  margin.start(sheet.mesh.positions());
+TEST_F(StartedMargin, RefitsSomeOrAllOfWhatHasMovedTooFar) {
   sheet.move_all({0, 0, 0.125});
   sheet.move(8, {0, 0, 3});
   EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, dirty), 1U);
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[8], sheet.position(8));
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[9].z, 0);
+  EXPECT_EQ(fitted(8), sheet.position(8));
+  EXPECT_EQ(fitted(9).z, 0);
   EXPECT_FALSE(dirty.covers_most_of(sheet.tree));
 
   sheet.move_all({0, 0, 2});
   EXPECT_EQ(margin.mark_all_beyond(sheet.mesh, 0.25, sheet.tree, dirty), sheet.mesh.positions().size());
   EXPECT_TRUE(dirty.covers_most_of(sheet.tree));
   EXPECT_EQ(margin.slack(), 0);
-  EXPECT_EQ(margin.fitted_mesh(sheet.mesh).positions[9], sheet.position(9));
+  EXPECT_EQ(fitted(9), sheet.position(9));
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -177,28 +176,17 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   EXPECT_EQ(front.bound_of(front.records()[record]), 1);
 }
 
-TEST(Front, IsDroppedWhenIncompleteOrOfOtherModels) {
-  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball()), twin(scenes::thesis_ball());
-  const PlacedPair placed({square}, {ball}), other({square}, {twin}), turned({ball}, {square});
-  Front front;
-  const auto fill = [&] {
-    front.clear();
+TEST(Front, IsDroppedWhenIncomplete) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const PlacedPair placed({square}, {ball});
+  for (const bool is_finished : {true, false}) {  // false: as it would be after an exception
+    Front front;
     front.begin(placed, a_from_b(placed));
     front.add({0, 0}, Side::a);
-  };
-  fill();
-  front.finish(1);
-  front.begin(placed, a_from_b(placed));
-  EXPECT_EQ(front.records().size(), 1U);
-  for (const PlacedPair* models : {&other, &turned}) {
-    fill();
-    front.finish(1);
-    front.begin(*models, a_from_b(*models));
-    EXPECT_TRUE(front.records().empty());
+    if (is_finished) front.finish(1);
+    front.begin(placed, a_from_b(placed));
+    EXPECT_EQ(front.records().size(), is_finished ? 1U : 0U);
   }
-  fill();  // not finished, as it would be after an exception
-  front.begin(placed, a_from_b(placed));
-  EXPECT_TRUE(front.records().empty());
 }
 
 TEST(Front, HasRoomForAThousandRecordsAndCountsWhatHasNone) {
@@ -211,33 +199,6 @@ TEST(Front, HasRoomForAThousandRecordsAndCountsWhatHasNone) {
   EXPECT_FALSE(front.overflows());
   front.add({0, 0}, Side::a);
   EXPECT_TRUE(front.overflows());
-}
-
-TEST(Front, LetsAnInterruptedTraversalGoOnOnlyWhereItStoppedAndIfNoMoreIsAsked) {
-  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
-  const PlacedPair here({square}, {ball, {{}, {0, 0, 5}}}), there({square}, {ball, {{}, {0, 0, 4.9}}});
-  Front front;
-  const auto interrupt = [&] {
-    front.begin(here, a_from_b(here));
-    const std::uint16_t record = front.add({1, 2}, Side::b);
-    front.state().clear();
-    front.state().queue.push({16, {3, 4}, record, 2, false});
-    front.suspend(5, std::nullopt);
-  };
-  interrupt();
-  EXPECT_TRUE(front.can_continue(here, 5));
-  EXPECT_TRUE(front.can_continue(here, 4.5));
-  EXPECT_FALSE(front.can_continue(here, 5.5));
-  EXPECT_FALSE(front.can_continue(there, 5));
-  front.begin(here, a_from_b(here));  // then what is left goes to its record
-  EXPECT_FALSE(front.can_continue(here, 5));
-  EXPECT_TRUE(front.state().queue.empty());
-  ASSERT_EQ(front.records().size(), 1U);
-  EXPECT_EQ(front.open_count(), 1U);
-  const double unit = here.tree(Side::a).unit;
-  EXPECT_NEAR(front.bound_of(front.records()[0]), 4 * unit, 1e-4 * unit);
-  EXPECT_LE(front.bound_of(front.records()[0]), 4 * unit);
-  EXPECT_EQ(front.take(0, 5 * unit), 0b100U);
 }
 
 TEST(Front, IsOfUseOnlyInTheUnitsOfItsModels) {

@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "limber/model.h"
+#include "pair/frames.h"
 #include "pair/placed_pair.h"
 #include "pair/pruning.h"
 #include "simd/kernels.h"
@@ -53,6 +54,26 @@ inline simd::SlotRef at_slot(const Model& model, std::uint32_t slot, bool as_lea
   return {&lowest_node(model), slot, as_leaf ? &tree_of(model).leaves[slot].corners : nullptr};
 }
 
+/// A limit that keeps what touches alone.
+inline constexpr float contact_sq = std::numeric_limits<float>::min();
+
+/// What a kernel says of the children of a node compared with a slot of the other tree.
+struct BoundedChildren {
+  alignas(32) float order[bvh::width] = {}, bound_sq[bvh::width] = {};
+  simd::KeptSlots kept;
+
+  BoundedChildren(const simd::Kernels& set, const bvh::Node& node, const simd::SlotRef& other,
+                  const simd::FrameTransform& frame, const simd::PruneLimits& limits, float limit_sq,
+                  bool has_bounds = true)
+      : kept(set.bound_children(node, other, frame, limits, limit_sq, order, has_bounds ? bound_sq : nullptr)) {}
+
+  bool keeps(std::uint32_t slot) const { return (kept.all >> slot & 1) != 0; }
+  bool overlaps(std::uint32_t slot) const { return (kept.overlapping >> slot & 1) != 0; }
+  double bound(std::uint32_t slot, const Model& model) const {
+    return std::sqrt(static_cast<double>(bound_sq[slot])) * tree_of(model).unit;
+  }
+};
+
 /// Prunes by a distance, and along a direction unless that is 0.
 inline pair::Pruning pruning_along(const pair::PlacedPair& placed, double cutoff, const Vec3& direction) {
   pair::Pruning pruning(placed, cutoff);
@@ -82,6 +103,8 @@ struct KernelCase {
   Model a, b;
   Transform pose_a, pose_b;
   std::vector<Triangle> world_a, world_b;
+  pair::PlacedPair placed;
+  pair::Frames frames;
 
   explicit KernelCase(Rng& rng)
       : a(some_soup(rng, 9 + rng.below(56))),
@@ -89,7 +112,9 @@ struct KernelCase {
         pose_a(random_pose(rng, 1)),
         pose_b(random_pose(rng, rng.below(3) == 0 ? 100 : 3)),
         world_a(placed_triangles(a.mesh(), pose_a)),
-        world_b(placed_triangles(b.mesh(), pose_b)) {}
+        world_b(placed_triangles(b.mesh(), pose_b)),
+        placed({a, pose_a}, {b, pose_b}),
+        frames(placed) {}
 };
 
 }  // namespace limber::testing

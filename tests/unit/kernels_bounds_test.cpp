@@ -19,6 +19,7 @@
 #include "support/random_geometry.h"
 #include "unit/internals.h"
 #include "unit/kernel_cases.h"
+#include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
@@ -56,15 +57,12 @@ struct Comparison {
   ClosestPoints truth(std::uint32_t slot_a, std::uint32_t slot_b) const {
     return closest(tree_of(a.model()).leaves[slot_a], world_a, tree_of(b.model()).leaves[slot_b], world_b);
   }
-  /// Whether a slot of a is kept, compared with one of b; leaves in `bound` the bound of their distance.
-  bool keeps(std::uint32_t slot_a, std::uint32_t slot_b, bool as_leaf, const Pruning& pruning, double& bound) {
-    alignas(32) float order[bvh::width], bound_sq[bvh::width];
-    const unsigned kept = simd::kernels()
-                              .bound_children(lowest_node(a.model()), at_slot(b.model(), slot_b, as_leaf),
-                                              frames.of(Side::a), pruning.of(Side::a), no_limit_sq, order, bound_sq)
-                              .all;
-    bound = std::sqrt(static_cast<double>(bound_sq[slot_a])) * tree_of(a.model()).unit;
-    return (kept >> slot_a & 1) != 0;
+  /// The children of a's node, compared with a slot of b.
+  BoundedChildren children(std::uint32_t slot_b, bool as_leaf, const Pruning& pruning, float limit_sq = no_limit_sq,
+                           bool has_bounds = true) {
+    return {simd::kernels(),    lowest_node(a.model()), at_slot(b.model(), slot_b, as_leaf),
+            frames.of(Side::a), pruning.of(Side::a),    limit_sq,
+            has_bounds};
   }
 };
 
@@ -88,17 +86,14 @@ TEST(Kernels, BoundsOfPointsNeverExceedDistances) {
         const Pruning along = pruning_along(c.placed, cutoff, truth.point_b - truth.point_a);
         for (const bool as_leaf : {false, true}) {
           for (const Pruning* pruning : {&without, &along}) {
-            double bound = 0;
-            ASSERT_TRUE(c.keeps(slot_a, slot_b, as_leaf, *pruning, bound)) << "case " << i;
-            ASSERT_LE(bound, cutoff) << "case " << i;
+            const BoundedChildren found = c.children(slot_b, as_leaf, *pruning);
+            ASSERT_TRUE(found.keeps(slot_a)) << "case " << i;
+            ASSERT_LE(found.bound(slot_a, a), cutoff) << "case " << i;
           }
           // Where only contacts matter, points that are apart by no more than rounding overlap.
           if (truth.distance > 1e-15 * (1 + length(pose_a.translation))) continue;
-          alignas(32) float order[bvh::width];
-          const simd::KeptSlots kept = simd::kernels().bound_children(
-              lowest_node(a), at_slot(b, slot_b, as_leaf), c.frames.of(Side::a), Pruning(c.placed, 0).of(Side::a),
-              std::numeric_limits<float>::min(), order, nullptr);
-          ASSERT_TRUE((kept.overlapping >> slot_a & 1) != 0) << "case " << i;
+          const Pruning any(c.placed, 0);
+          ASSERT_TRUE(c.children(slot_b, as_leaf, any, contact_sq, false).overlaps(slot_a)) << "case " << i;
           ++contact_count;
         }
       }
@@ -111,19 +106,12 @@ TEST(Kernels, BoundsOfBoxesThatTouchNeverExceedDistances) {
   // The corner of a brick is on a face of another one, nearly. Both bricks stand along the axes of their models, whose
   // poses are turned at random: boxes are the tightest volumes there.
   Rng rng(218);
-  const auto brick = [](const Vec3& low, const Vec3& high) {
-    std::vector<Triangle> corners;
-    for (unsigned i = 0; i < 8; ++i) {
-      const Vec3 p{(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z};
-      corners.push_back({p, p, p});
-    }
-    return corners;
-  };
   int apart_count = 0;
   for (int i = 0; i < 2000; ++i) {
     // A second leaf makes the node larger than the brick.
     const auto model = [&](const Vec3& half) {
-      std::vector<Triangle> triangles = brick(-half, half);
+      std::vector<Triangle> triangles;
+      for (const Vec3& p : box_corners(-half, half)) triangles.push_back({p, p, p});
       const Vec3 far = half + uniform_point(rng, 1, 4);
       triangles.insert(triangles.end(), bvh::width, {far, far, far});
       return Model(soup(triangles));
@@ -160,21 +148,15 @@ TEST(Kernels, BoundsOfBoxesThatTouchNeverExceedDistances) {
     };
     const std::uint32_t slot_a = leaf_of(a, 0), slot_b = leaf_of(b, 0);
     const double smallest = std::numeric_limits<double>::min();
-    const simd::SlotRef other = at_slot(b, slot_b, false);
-    alignas(32) float order[bvh::width], bound_sq[bvh::width];
     const Pruning any(c.placed, smallest);
-    simd::kernels().bound_children(lowest_node(a), other, c.frames.of(Side::a), any.of(Side::a), no_limit_sq, order,
-                                   bound_sq);
-    const double bound = std::sqrt(static_cast<double>(bound_sq[slot_a])) * tree_of(a).unit;
+    const double bound = c.children(slot_b, false, any).bound(slot_a, a);
     ASSERT_LE(bound, gap * (1 + 1e-9)) << "case " << i;
     // The same where nothing but overlap matters.
-    const simd::KeptSlots kept =
-        simd::kernels().bound_children(lowest_node(a), other, c.frames.of(Side::a), any.of(Side::a),
-                                       std::numeric_limits<float>::min(), order, nullptr);
-    ASSERT_EQ(kept.all, kept.overlapping);
-    const bool overlap = (kept.all >> slot_a & 1) != 0;
+    const BoundedChildren met = c.children(slot_b, false, any, contact_sq, false);
+    ASSERT_EQ(met.kept.all, met.kept.overlapping);
+    const bool overlap = met.keeps(slot_a);
     ASSERT_TRUE(overlap || gap > 0) << "case " << i;
-    ASSERT_EQ(overlap, order[slot_a] <= 0);
+    ASSERT_EQ(overlap, met.order[slot_a] <= 0);
     apart_count += overlap ? 0 : 1;
     if (gap > 1e-3 * (1 + length(pose_b.translation))) {
       ASSERT_GT(bound, 0.9 * gap) << "case " << i;
@@ -209,9 +191,9 @@ TEST(Kernels, BoundsOfFlatLeavesThatNearlyTouchNeverExceedDistances) {
     Comparison c({a, {tilted(sine_a) * transpose(frame_a), {}}},
                  {b, {tilted(-sine_b) * transpose(frame_b), {0, 0, sine_a + sine_b + gap}}});
     const Pruning pruning(c.placed, 1);
-    double bound = 0;
-    ASSERT_TRUE(c.keeps(0, 0, false, pruning, bound)) << "case " << i;
-    ASSERT_LE(bound, c.truth(0, 0).distance) << "case " << i;
+    const BoundedChildren found = c.children(0, false, pruning);
+    ASSERT_TRUE(found.keeps(0)) << "case " << i;
+    ASSERT_LE(found.bound(0, a), c.truth(0, 0).distance) << "case " << i;
   }
 }
 
@@ -234,10 +216,10 @@ TEST(Kernels, CornersTowardsAPointAreNeverPruned) {
       }
       if (truth.distance == 0 || nearest_sq < length_sq(direction) * (1 - 1e-9)) continue;
       ++corner_count;
-      double bound = 0;
       const double cutoff = truth.distance * (1 + 1e-9);
-      ASSERT_TRUE(c.keeps(slot_a, 0, true, pruning_along(c.placed, cutoff, direction), bound)) << "case " << i;
-      ASSERT_LE(bound, cutoff) << "case " << i;
+      const BoundedChildren found = c.children(0, true, pruning_along(c.placed, cutoff, direction));
+      ASSERT_TRUE(found.keeps(slot_a)) << "case " << i;
+      ASSERT_LE(found.bound(slot_a, a), cutoff) << "case " << i;
     }
   }
   EXPECT_GT(corner_count, 2000);
@@ -260,17 +242,15 @@ TEST(Kernels, WhatIsTooLargeToBeSquaredIsEverywhere) {
     node.radius += 2 * slack;
     const double smallest = std::numeric_limits<double>::min();
     for (const Vec3& direction : {Vec3{}, uniform_point(rng)}) {
+      const Pruning pruning = pruning_along(c.placed, smallest, direction);
       for (const simd::Kernels& set : simd::all_kernels()) {
-        alignas(32) float order[bvh::width], bound_sq[bvh::width];
-        const simd::KeptSlots kept = set.bound_children(node, at_slot(b, 0, rng.below(2) == 0), c.frames.of(Side::a),
-                                                        pruning_along(c.placed, smallest, direction).of(Side::a),
-                                                        std::numeric_limits<float>::min(), order, bound_sq);
-        ASSERT_EQ(kept.all, 0xffU) << set.name << " 2^" << std::log2(slack);
-        ASSERT_EQ(kept.overlapping, 0xffU) << set.name;
-        const simd::KeptSlots overlapping = set.bound_children(node, at_slot(b, 0, false), c.frames.of(Side::a),
-                                                               pruning_along(c.placed, smallest, direction).of(Side::a),
-                                                               std::numeric_limits<float>::min(), order, nullptr);
-        ASSERT_EQ(overlapping.all, 0xffU) << set.name;
+        const simd::SlotRef other = at_slot(b, 0, rng.below(2) == 0);
+        for (const bool has_bounds : {true, false}) {
+          const BoundedChildren found(set, node, has_bounds ? other : at_slot(b, 0, false), c.frames.of(Side::a),
+                                      pruning.of(Side::a), contact_sq, has_bounds);
+          ASSERT_EQ(found.kept.all, 0xffU) << set.name << " 2^" << std::log2(slack);
+          ASSERT_EQ(found.kept.overlapping, 0xffU) << set.name;
+        }
       }
     }
   }

@@ -37,33 +37,28 @@ TEST(Kernels, DirectionsNeverPruneWhatMatters) {
   Rng rng(201);
   int pruned_count = 0, sharper = 0;
   for (int i = 0; i < 3000; ++i) {
-    const KernelCase c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    Frames frames(placed);
+    KernelCase c(rng);
     const Node& node = tree_of(c.a).nodes[1];
     const auto slot_b = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
     // Roughly from one model to the other.
     const Vec3 direction = c.world_b[0].v0 - c.world_a[0].v0 + 0.1 * uniform_point(rng);
     const simd::SlotRef other = at_slot(c.b, slot_b, rng.below(2) == 0);
-    alignas(32) float order[bvh::width] = {}, bound_sq[bvh::width] = {};
-    const auto kept = [&](double cutoff) {
-      const Pruning pruning = pruning_along(placed, cutoff, direction);
-      return simd::kernels()
-          .bound_children(node, other, frames.of(Side::a), pruning.of(Side::a), no_limit_sq, order, bound_sq)
-          .all;
+    const auto children = [&](double cutoff) {
+      const Pruning pruning = pruning_along(c.placed, cutoff, direction);
+      return BoundedChildren(simd::kernels(), node, other, c.frames.of(Side::a), pruning.of(Side::a), no_limit_sq);
     };
     for (std::uint32_t slot = 0; slot < node.child_count; ++slot) {
       const double true_distance =
           closest(tree_of(c.a).leaves[slot], c.world_a, tree_of(c.b).leaves[slot_b], c.world_b).distance;
       const double cutoff = true_distance * rng.uniform(1, 1.01) + 1e-12;  // so that the child is kept
       for (const double any_distance : {cutoff, 0.8 * true_distance + 1e-12, 0.1 * true_distance + 1e-12}) {
-        const bool is_kept = (kept(any_distance) >> slot & 1) != 0;
-        ASSERT_TRUE(is_kept || any_distance != cutoff) << "case " << i;
-        pruned_count += is_kept ? 0 : 1;
-        const double bound = std::sqrt(static_cast<double>(bound_sq[slot])) * tree_of(c.a).unit;
-        ASSERT_LE(bound, true_distance) << "case " << i;
-        ASSERT_GE(bound_sq[slot], std::max(order[slot], 0.0F));
-        sharper += bound_sq[slot] > std::max(order[slot], 0.0F) ? 1 : 0;
+        const BoundedChildren found = children(any_distance);
+        ASSERT_TRUE(found.keeps(slot) || any_distance != cutoff) << "case " << i;
+        pruned_count += found.keeps(slot) ? 0 : 1;
+        ASSERT_LE(found.bound(slot, c.a), true_distance) << "case " << i;
+        const float by_boxes = std::max(found.order[slot], 0.0F);
+        ASSERT_GE(found.bound_sq[slot], by_boxes);
+        sharper += found.bound_sq[slot] > by_boxes ? 1 : 0;
       }
     }
   }
@@ -75,9 +70,7 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
   Rng rng(202);
   int not_candidates = 0, beyond = 0, candidates = 0, tight = 0;
   for (int i = 0; i < 3000; ++i) {
-    const KernelCase c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    Frames frames(placed);
+    KernelCase c(rng);
     const auto ka = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
     const auto kb = static_cast<std::uint32_t>(rng.below(tree_of(c.b).nodes[1].child_count));
     const bvh::Leaf &la = tree_of(c.a).leaves[ka], &lb = tree_of(c.b).leaves[kb];
@@ -89,9 +82,9 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
       direction = best.point_b - best.point_a;
       cutoff = best.distance * (1 + 1e-9) + 1e-12;
     }
-    const Pruning pruning = pruning_along(placed, cutoff, direction);
+    const Pruning pruning = pruning_along(c.placed, cutoff, direction);
     simd::Candidates found;
-    simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), frames.of(Side::a),
+    simd::kernels().find_candidates(at_slot(c.a, ka, true), at_slot(c.b, kb, true), c.frames.of(Side::a),
                                     pruning.of(Side::a), nullptr, true, found);
     const double apart = static_cast<double>(found.pruned_bound) / found.scale;
     simd::Candidates refined = found;
@@ -129,15 +122,13 @@ TEST(Kernels, CandidatesContainEveryPairThatMatters) {
 TEST(Kernels, CandidatesLeaveOutWhatFillsUpALeaf) {
   Rng rng(207);
   for (int i = 0; i < 64; ++i) {
-    const KernelCase c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    Frames frames(placed);
+    KernelCase c(rng);
     simd::SlotRef a = at_slot(c.a, 0, true), b = at_slot(c.b, 0, true);
     a.triangle_count = 1 + static_cast<std::uint32_t>(i) % 8, b.triangle_count = 1 + static_cast<std::uint32_t>(i) / 8;
-    const Pruning pruning = pruning_along(placed, std::numeric_limits<double>::infinity(), {});
+    const Pruning pruning = pruning_along(c.placed, std::numeric_limits<double>::infinity(), {});
     for (const simd::Kernels& kernels : simd::all_kernels()) {
       simd::Candidates found;
-      kernels.find_candidates(a, b, frames.of(Side::a), pruning.of(Side::a), nullptr, false, found);
+      kernels.find_candidates(a, b, c.frames.of(Side::a), pruning.of(Side::a), nullptr, false, found);
       std::vector<bool> is_found(bvh::width * bvh::width);
       for (std::uint32_t k = 0; k < found.count; ++k) {
         ASSERT_LT(found.pairs[k].slot_a, a.triangle_count);
@@ -197,11 +188,10 @@ TEST(Kernels, BoundsOfALeafAreThoseOfItsTriangles) {
     if (true_distance < 4 * size) continue;
     ++far_cases;
     tight += bound * unit >= true_distance - 2 * size ? 1 : 0;
-    alignas(32) float order[bvh::width];
     const Pruning pruning = pruning_along(placed, 1, {});
-    simd::kernels().bound_children(*other.node, leaf, frames.of(Side::b), pruning.of(Side::b), no_limit_sq, order,
-                                   nullptr);
-    told_apart_by_triangles_only += order[0] <= 0 && bound > 0 ? 1 : 0;
+    const BoundedChildren found(simd::kernels(), *other.node, leaf, frames.of(Side::b), pruning.of(Side::b),
+                                no_limit_sq, false);
+    told_apart_by_triangles_only += found.order[0] <= 0 && bound > 0 ? 1 : 0;
   }
   EXPECT_GT(far_cases, 1000);
   EXPECT_GT(tight, 0.99 * far_cases);
@@ -217,39 +207,37 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
   Rng rng(203);
   const auto sets = simd::all_kernels();
   for (int i = 0; i < 2000; ++i) {
-    const KernelCase c(rng);
-    const PlacedPair placed({c.a, c.pose_a}, {c.b, c.pose_b});
-    Frames frames(placed);
+    KernelCase c(rng);
     const Node& node = tree_of(c.b).nodes[1];
     const auto slot = static_cast<std::uint32_t>(rng.below(tree_of(c.a).nodes[1].child_count));
     const double cutoff = rng.uniform(0, 4);
-    const Pruning pruning = pruning_along(placed, cutoff, rng.below(4) != 0 ? uniform_point(rng) : Vec3{});
+    const Pruning pruning = pruning_along(c.placed, cutoff, rng.below(4) != 0 ? uniform_point(rng) : Vec3{});
     const auto limit_sq = static_cast<float>(cutoff * cutoff);
     const simd::SlotRef other = at_slot(c.a, slot, rng.below(2) == 0);
     const simd::SlotRef leaf_a = at_slot(c.a, slot, true), leaf_b = at_slot(c.b, 0, true);
-    const simd::FrameTransform &in_a = frames.of(Side::a), &in_b = frames.of(Side::b);
+    const simd::FrameTransform &in_a = c.frames.of(Side::a), &in_b = c.frames.of(Side::b);
     const simd::PruneLimits &of_a = pruning.of(Side::a), &of_b = pruning.of(Side::b);
 
-    alignas(32) float order0[bvh::width], order[bvh::width], bound_sq0[bvh::width], bound_sq[bvh::width];
     simd::Candidates found0, found;
     const simd::Kernels& first = simd::scalar_kernels;
-    const simd::KeptSlots kept0 = first.bound_children(node, other, in_b, of_b, limit_sq, order0, bound_sq0);
     first.find_candidates(leaf_a, leaf_b, in_a, of_a, nullptr, true, found0);
-    constexpr float contact_sq = std::numeric_limits<float>::min();
-    const Pruning any_contact = pruning_along(placed, 0, rng.below(2) == 0 ? uniform_point(rng) : Vec3{});
-    const simd::PruneLimits& any_of_b = any_contact.of(Side::b);
-    alignas(32) float depth0[bvh::width], depth[bvh::width];
-    const simd::KeptSlots met0 = first.bound_children(node, other, in_b, any_of_b, contact_sq, depth0, nullptr);
+    const Pruning any_contact = pruning_along(c.placed, 0, rng.below(2) == 0 ? uniform_point(rng) : Vec3{});
+    const auto kept_by = [&](const simd::Kernels& set) {
+      return BoundedChildren(set, node, other, in_b, of_b, limit_sq);
+    };
+    const auto met_by = [&](const simd::Kernels& set) {
+      return BoundedChildren(set, node, other, in_b, any_contact.of(Side::b), contact_sq, false);
+    };
+    const BoundedChildren kept0 = kept_by(first), met0 = met_by(first);
     for (const simd::Kernels& set : sets) {
-      const auto expect_same = [&](const simd::KeptSlots& s, const simd::KeptSlots& t) {
-        EXPECT_EQ(s.all, t.all) << set.name;
-        EXPECT_EQ(s.overlapping, t.overlapping) << set.name;
+      const auto expect_same = [&](const BoundedChildren& s, const BoundedChildren& t) {
+        EXPECT_EQ(s.kept.all, t.kept.all) << set.name;
+        EXPECT_EQ(s.kept.overlapping, t.kept.overlapping) << set.name;
+        EXPECT_EQ(std::memcmp(s.order, t.order, node.child_count * sizeof(float)), 0) << set.name;
+        EXPECT_EQ(std::memcmp(s.bound_sq, t.bound_sq, node.child_count * sizeof(float)), 0) << set.name;
       };
-      expect_same(set.bound_children(node, other, in_b, any_of_b, contact_sq, depth, nullptr), met0);
-      expect_same(set.bound_children(node, other, in_b, of_b, limit_sq, order, bound_sq), kept0);
-      for (const auto& [values, values0] : {std::pair(depth, depth0), {order, order0}, {bound_sq, bound_sq0}}) {
-        ASSERT_EQ(std::memcmp(values, values0, node.child_count * sizeof(float)), 0) << set.name;
-      }
+      expect_same(kept_by(set), kept0);
+      expect_same(met_by(set), met0);
       set.find_candidates(leaf_a, leaf_b, in_a, of_a, nullptr, true, found);
       ASSERT_EQ(found.count, found0.count) << set.name;
       ASSERT_TRUE(is_same_to_the_bit(found.error, found0.error)) << set.name;

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Models of the fast engine whose vertices move.
+// Models of the fast engine whose vertices move, and models of thousands of triangles at one place: duplicates, and
+// meshes that have collapsed.
 #include "limber/model.h"
 #include "limber/distance.h"
 
@@ -11,96 +12,40 @@
 #include <cmath>
 #include <span>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
+#include "base/rounding.h"
 #include "bvh/tree.h"
-#include "bvh/tree_cost.h"
-#include "geometry/primitives.h"
 #include "reference/reference.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
 #include "unit/internals.h"
+#include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
 
+/// Moves one vertex, and commits.
+void move_one(Model& model, VertexId vertex, const Vec3& to) {
+  model.move_vertices(std::vector<VertexId>{vertex}, std::vector<Vec3>{to}).value();
+  model.commit();
+}
+
 TEST(Model, RefitsEveryNodeAboveAVertexOnceHoweverOftenItMoves) {
   Model model(scenes::wave_sheet(100, 100, 0));
-  const std::vector<VertexId> ids{5000, 5000, 5001, 5000};
-  const std::vector<Vec3> positions(4, {2, 2, 3});
-  ASSERT_TRUE(static_cast<bool>(model.move_vertices(ids, positions)));
+  model.move_vertices(std::vector<VertexId>{5000, 5000, 5001, 5000}, std::vector<Vec3>(4, {2, 2, 3})).value();
   EXPECT_FALSE(model.is_committed());
   model.commit();
   EXPECT_TRUE(model.is_committed());
   EXPECT_EQ(model.mesh().positions()[5000], (Vec3{2, 2, 3}));
   EXPECT_EQ(model.maintenance_stats().moved_vertices, 4U);
   // At most the nodes of the triangles at two neighbours, and a path to the root for each.
-  EXPECT_GE(model.maintenance_stats().refits, model.tree_stats().levels);
-  EXPECT_LE(model.maintenance_stats().refits, 4 * model.tree_stats().levels);
+  const std::uint64_t refits = model.maintenance_stats().refits, levels = model.tree_stats().levels;
+  EXPECT_GE(refits, levels);
+  EXPECT_LE(refits, 4 * levels);
   ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
-}
-
-TEST(Model, StopsWhereNothingChanges) {
-  Model model(scenes::wave_sheet(100, 100, 0));
-  const Vec3 same = model.mesh().positions()[777];
-  ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{777}, std::vector<Vec3>{same})));
-  model.commit();
-  EXPECT_LE(model.maintenance_stats().refits, 4U);
-  model.commit();  // nothing is left
-  EXPECT_LE(model.maintenance_stats().refits, 4U);
-}
-
-TEST(Model, IsAfterRebuildAsIfJustBuilt) {
-  const scenes::Motion soup = scenes::shuffled_soup(3000);
-  for (const auto& [motion_margin, far] : {std::pair(0.0, Vec3{}), {10.0, Vec3{}}, {0.0, Vec3{1e9, 1e9, 1e9}}}) {
-    Model moved(soup.mesh, {.motion_margin = motion_margin, .rebuild_policy = RebuildPolicy::off});
-    std::vector<Vec3> positions = soup.positions(400);
-    for (Vec3& p : positions) p += far;
-    ASSERT_TRUE(static_cast<bool>(moved.move_all(positions)));
-    if (far == Vec3{}) moved.commit();  // otherwise rebuild() is the commit
-    moved.rebuild();
-    const Model built(Mesh::create(positions, soup.mesh.triangles()).value());
-    ASSERT_TRUE(static_cast<bool>(moved.validate())) << moved.validate().error().text;
-    ASSERT_EQ(tree_of(moved).slack, 0);
-    // The centers by which triangles are sorted are rounded relative to another origin, so a few triangles may be in
-    // other leaves.
-    EXPECT_NEAR(bvh::TreeCost::of(tree_of(moved), bvh::subtree_of(tree_of(moved), bvh::root_slot)),
-                bvh::TreeCost::of(tree_of(built), bvh::subtree_of(tree_of(built), bvh::root_slot)), 0.02);
-  }
-}
-
-/// Plays a motion in which triangles change places, and checks every frame. Returns for each model the ratio of its
-/// node tests to those with newly built trees.
-std::vector<double> play(const scenes::Motion& motion, const std::vector<Model*>& models, int frames) {
-  std::vector<Vec3> small = scenes::ball(8, 5).positions();
-  for (Vec3& p : small) p *= 0.05;
-  const Model probe(Mesh::create(small, scenes::ball(8, 5).triangles()).value());
-  Rng rng(312);
-  std::vector<double> visits(models.size());
-  double fresh_visits = 0;
-  for (int frame = 1; frame <= frames; ++frame) {
-    const std::vector<Vec3> positions = motion.positions(frame);
-    for (Model* model : models) {
-      EXPECT_TRUE(static_cast<bool>(model->move_all(positions)));
-      model->commit();
-      EXPECT_TRUE(static_cast<bool>(model->validate())) << model->validate().error().text << " in frame " << frame;
-    }
-    const Model fresh(Mesh::create(positions, motion.mesh.triangles()).value());
-    for (int i = 0; i < 4; ++i) {
-      const Placed placed{probe, random_pose(rng, 1)};
-      const bool counts = 2 * frame >= frames;
-      const DistanceResult wanted = distance({fresh}, placed);
-      fresh_visits += counts ? static_cast<double>(wanted.stats.node_tests) : 0;
-      for (std::size_t m = 0; m < models.size(); ++m) {
-        const DistanceResult found = distance({*models[m]}, placed);
-        EXPECT_NEAR(found.upper, wanted.upper, 1e-14) << frame;
-        visits[m] += counts ? static_cast<double>(found.stats.node_tests) : 0;
-      }
-    }
-  }
-  for (double& count : visits) count /= fresh_visits;
-  return visits;
+  move_one(model, 777, model.mesh().positions()[777]);  // nothing changes above its nodes
+  EXPECT_LE(model.maintenance_stats().refits, refits + 4);
 }
 
 TEST(Model, KeepsUpWithTrianglesThatChangePlaces) {
@@ -109,15 +54,37 @@ TEST(Model, KeepsUpWithTrianglesThatChangePlaces) {
   Model in_commit(soup.mesh), slowly(soup.mesh, {.rebuild_budget_us = 100});
   Model on_worker(soup.mesh, {.rebuild_policy = RebuildPolicy::on_worker});
   Model real_time(soup.mesh, ModelOptions::real_time(100));
-  const std::vector<Model*> models{&never_rebuilt, &no_time, &in_commit, &slowly, &on_worker, &real_time};
-  const std::vector<double> visits = play(soup, models, 150);
-  for (std::size_t m = 0; m < models.size(); ++m) {
+  Model* const models[] = {&never_rebuilt, &no_time, &in_commit, &slowly, &on_worker, &real_time};
+  const Model probe(scaled(scenes::ball(8, 5), 0.05));
+  Rng rng(312);
+  double visits[6] = {}, fresh_visits = 0;  // in the second half of the motion
+  for (int frame = 1; frame <= 150; ++frame) {
+    const std::vector<Vec3> positions = soup.positions(frame);
+    for (Model* model : models) {
+      model->move_all(positions).value();
+      model->commit();
+      ASSERT_TRUE(static_cast<bool>(model->validate())) << model->validate().error().text << " in frame " << frame;
+    }
+    const Model fresh(Mesh::create(positions, soup.mesh.triangles()).value());
+    for (int i = 0; i < 4; ++i) {
+      const Placed placed{probe, random_pose(rng, 1)};
+      const double counts = frame < 75 ? 0 : 1;
+      const DistanceResult wanted = distance({fresh}, placed);
+      fresh_visits += counts * static_cast<double>(wanted.stats.node_tests);
+      for (std::size_t m = 0; m < 6; ++m) {
+        const DistanceResult found = distance({*models[m]}, placed);
+        EXPECT_NEAR(found.upper, wanted.upper, 1e-14) << frame;
+        visits[m] += counts * static_cast<double>(found.stats.node_tests);
+      }
+    }
+  }
+  for (std::size_t m = 0; m < 6; ++m) {
     const std::uint64_t rebuilt_triangles = models[m]->maintenance_stats().rebuilt_triangles;
     if (m < 2) {
-      EXPECT_GT(visits[m], 1.6) << m;
+      EXPECT_GT(visits[m], 1.6 * fresh_visits) << m;
       EXPECT_EQ(rebuilt_triangles, 0U) << m;
     } else {
-      EXPECT_LT(visits[m], 1.3) << m;
+      EXPECT_LT(visits[m], 1.3 * fresh_visits) << m;
       EXPECT_GT(rebuilt_triangles, 4000U) << m;
     }
   }
@@ -125,21 +92,19 @@ TEST(Model, KeepsUpWithTrianglesThatChangePlaces) {
 
 TEST(Model, RebuildsOnlyWhatHasDegraded) {
   // Eight soups in a row, of which one is shuffled.
-  constexpr std::uint32_t count = 1024, soups = 8;
+  constexpr std::uint32_t count = 1024;
   const scenes::Motion soup = scenes::shuffled_soup(count);
-  std::vector<Vec3> positions;
-  std::vector<Corners> triangles;
-  for (std::uint32_t k = 0; k < soups; ++k) {
-    const auto first = static_cast<VertexId>(positions.size());
-    for (const Vec3& p : soup.mesh.positions()) positions.push_back(p + Vec3{10.0 * k, 0, 0});
-    for (const Corners& c : soup.mesh.triangles()) triangles.push_back({c[0] + first, c[1] + first, c[2] + first});
+  Mesh row = soup.mesh;
+  for (int k = 1; k < 8; ++k) {
+    row = joined(row, mapped(soup.mesh, [&](const Vec3& p) { return p + Vec3{10.0 * k, 0, 0}; }));
   }
-  Model model(Mesh::create(positions, triangles).value());
+  Model model(row);
+  std::vector<Vec3> positions = row.positions();
   for (int frame = 1; model.maintenance_stats().rebuilt_triangles == 0; ++frame) {
     ASSERT_LT(frame, 32);
     const std::vector<Vec3> shuffled = soup.positions(4 * frame);
     std::copy(shuffled.begin(), shuffled.end(), positions.begin());
-    ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+    model.move_all(positions).value();
     model.commit();
     ASSERT_TRUE(static_cast<bool>(model.validate())) << model.validate().error().text;
   }
@@ -148,9 +113,7 @@ TEST(Model, RebuildsOnlyWhatHasDegraded) {
 
 TEST(Model, ValidateNamesAVertexBeyondTheMotionMarginInUse) {
   Model model(scenes::thesis_ball(), {.motion_margin = 0.5});
-  const Vec3 at = model.mesh().positions()[7];
-  ASSERT_TRUE(static_cast<bool>(model.move_vertices(std::vector<VertexId>{7}, std::vector<Vec3>{at * 1.25})));
-  model.commit();
+  move_one(model, 7, 1.25 * model.mesh().positions()[7]);
   ASSERT_TRUE(static_cast<bool>(model.validate()));
   // Queries rely on this margin.
   const_cast<bvh::Tree&>(tree_of(model)).slack *= 0.5;
@@ -164,11 +127,9 @@ TEST(Model, IsRebuiltWhileItGrowsBeyondFloat32) {
   for (const std::uint32_t side : {9U, 13U}) {
     const Mesh mesh = scenes::wave_sheet(side, side, 0);
     Model model(mesh, {.rebuild_budget_us = 5});
-    std::vector<Vec3> positions = mesh.positions();
     for (int frame = 0; frame < 100; ++frame) {
       const double scale = std::ldexp(1 + 1e-3 * frame, frame > 20 && frame % 2 == 1 ? 190 : 0);
-      for (std::size_t v = 0; v < positions.size(); ++v) positions[v] = scale * mesh.positions()[v];
-      ASSERT_TRUE(model.move_all(positions));
+      model.move_all(scaled(mesh, scale).positions()).value();
       model.commit();
       ASSERT_TRUE(model.validate()) << side << " " << frame;
     }
@@ -208,10 +169,7 @@ TEST(ModelBounds, ContainEveryVertexWhateverTheScale) {
       Model model(soup(triangles), {.motion_margin = rng.below(2) == 0 ? 0 : 0.1 * scale});
       expect_bounds_hold(model);
       for (int frame = 0; frame < 4; ++frame) {
-        std::vector<Vec3> positions = model.mesh().positions();
-        for (Vec3& p : positions) p += 0.05 * scale * uniform_point(rng);
-        ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
-        model.commit();
+        deform(model, [&](const Vec3& p) { return p + 0.05 * scale * uniform_point(rng); });
         expect_bounds_hold(model);
       }
     }
@@ -226,7 +184,11 @@ void expect_spheres_hold(const Model& model) {
     const std::vector<Sphere> spheres = model.node_spheres(level);
     count += spheres.size();
     for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
-      const auto holds = [&](const Sphere& sphere) { return geometry::contains(sphere, model.mesh().triangle(t)); };
+      const Triangle triangle = model.mesh().triangle(t);
+      const auto holds = [&](const Sphere& sphere) {
+        const auto has = [&](const Vec3& p) { return base::distance_up(sphere.center, p) <= sphere.radius; };
+        return has(triangle.v0) && has(triangle.v1) && has(triangle.v2);
+      };
       ASSERT_TRUE(std::any_of(spheres.begin(), spheres.end(), holds)) << "level " << level << ", triangle " << t;
     }
   }
@@ -244,18 +206,118 @@ TEST(ModelBounds, SpheresOfEveryLevelHoldEveryTriangle) {
   Rng rng(711);
   for (const double offset : {0.0, 1e9}) {
     for (const std::uint32_t triangles : {1U, 8U, 9U, 600U}) {
-      std::vector<Vec3> positions = scenes::random_soup(rng, triangles, 0.1).positions();
-      const std::vector<Corners> corners = scenes::random_soup(rng, triangles, 0.1).triangles();
-      for (Vec3& p : positions) p += offset * Vec3{1, -1, 1};
-      Model model(Mesh::create(positions, corners).value(), {.motion_margin = triangles > 8 ? 0.05 : 0});
+      const Mesh soup = scenes::random_soup(rng, triangles, 0.1);
+      Model model(mapped(soup,
+                         [&](const Vec3& p) {
+                           return p + offset * Vec3{1, -1, 1};
+                         }),
+                  {.motion_margin = triangles > 8 ? 0.05 : 0});
       expect_spheres_hold(model);
-      for (Vec3& p : positions) p += 0.02 * uniform_point(rng);
-      ASSERT_TRUE(static_cast<bool>(model.move_all(positions)));
+      deform(model, [&](const Vec3& p) { return p + 0.02 * uniform_point(rng); });
+      expect_spheres_hold(model);
+      model.move_all(model.mesh().positions()).value();
       EXPECT_THROW(static_cast<void>(model.node_spheres(0)), std::invalid_argument);
       EXPECT_THROW(static_cast<void>(model.bounding_box()), std::invalid_argument);
       EXPECT_THROW(static_cast<void>(model.bounding_sphere()), std::invalid_argument);
-      model.commit();
-      expect_spheres_hold(model);
+    }
+  }
+}
+
+// --- triangles at one place ---
+
+/// A mesh of `count` equal triangles, which share their vertices or have their own.
+Mesh repeated(const Triangle& t, std::uint32_t count, bool shares_vertices) {
+  if (!shares_vertices) return soup(std::vector<Triangle>(count, t));
+  return Mesh::create({t.v0, t.v1, t.v2}, std::vector<Corners>(count, Corners{0, 1, 2})).value();
+}
+
+TEST(Coincident, TrianglesCostNoMoreThanAFew) {
+  const Triangle low{{0, 0, 0}, {1, 0.1, 0}, {0.2, 1, 0}}, high{{0, 0, 1}, {1, 0, 1.5}, {0.3, 1, 2}};
+  for (const bool shares_vertices : {false, true}) {
+    const Model a(repeated(low, 8000, shares_vertices)), b(repeated(high, 8000, shares_vertices));
+    ASSERT_TRUE(static_cast<bool>(a.validate()));
+    const DistanceResult found = distance({a}, {b});
+    EXPECT_EQ(found.upper, closest_points(low, high).distance);
+    EXPECT_EQ(found.status, DistanceStatus::exact);
+    EXPECT_LT(found.stats.node_tests + found.stats.primitive_tests, 100U);
+    EXPECT_FALSE(collide({a}, {b}).is_yes());
+    EXPECT_TRUE(collide({a}, {a, {{}, {0.1, 0.1, 0}}}).is_yes());
+  }
+}
+
+TEST(Coincident, TrianglesAmongOthersAreFoundAsBefore) {
+  Rng rng(701);
+  for (int i = 0; i < 100; ++i) {
+    std::vector<Triangle> triangles;
+    while (triangles.size() < 600) {
+      const Triangle t = uniform_triangle(rng);
+      // 64 to 200 times, or once: equal triangles fill whole nodes and parts of nodes.
+      triangles.insert(triangles.end(), rng.below(2) == 0 ? 64 + rng.below(137) : 1, t);
+    }
+    const Mesh mesh = soup(triangles), other = soup({uniform_triangle(rng), uniform_triangle(rng)});
+    const Model a(mesh), b(other);
+    ASSERT_TRUE(static_cast<bool>(a.validate()));
+    const Transform pose = random_pose(rng, 3);
+    const double truth = reference::distance({mesh}, {other, pose}).upper;
+    ASSERT_NEAR(distance({a}, {b, pose}).upper, truth, 1e-14);
+    ASSERT_NEAR(distance({b, pose}, {a}).upper, truth, 1e-14);
+    ASSERT_EQ(collide({a}, {b, pose}).is_yes(), truth == 0);
+  }
+}
+
+TEST(Coincident, TrianglesThatPartByLessThanASquareCanTellAreToldApart) {
+  // The last of many equal triangles moves to the other model, by a displacement whose square is 0 in float64.
+  constexpr double little = 0x1p-600;
+  const Triangle high{{0, 0, little}, {1, 0, little}, {0, 1, little}}, low{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  constexpr std::uint32_t count = 200;
+  const std::vector<VertexId> last{3 * count - 3, 3 * count - 2, 3 * count - 1};
+  for (const bool moves_all : {false, true}) {
+    Model many(repeated(high, count, false), {.motion_margin = 0.5});
+    const Model probe(soup({low}));
+    ASSERT_FALSE(collide({many}, {probe}).is_yes());
+    std::vector<Vec3> positions = many.mesh().positions();
+    for (std::size_t k = 0; k < 3; ++k) positions[last[k]] = low[k];
+    if (moves_all) {
+      many.move_all(positions).value();
+    } else {
+      many.move_vertices(last, std::span(positions).last(3)).value();
+    }
+    many.commit();
+    ASSERT_TRUE(static_cast<bool>(many.validate()));
+    EXPECT_TRUE(collide({many}, {probe}).is_yes()) << moves_all;
+    EXPECT_EQ(distance({many}, {probe}).upper, 0) << moves_all;
+  }
+}
+
+TEST(Coincident, TrianglesThatPartByLessThanBoundsCanTellAreToldApart) {
+  // Some of many equal triangles move so little that no bound changes. The marks of all slots above have to change.
+  constexpr double little = 0x1p-200;
+  const Triangle flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  Model many(repeated(flat, 1000, false));
+  const Model probe(soup({{{-1, -1, little}, {3, -1, little}, {-1, 3, little}}}));
+  const auto is_one_again = [&] {
+    const DistanceResult found = distance({many}, {probe});
+    return found.upper == little && found.stats.node_tests + found.stats.primitive_tests < 100;
+  };
+  ASSERT_TRUE(is_one_again());
+  const bvh::Tree& tree = tree_of(many);
+  ASSERT_GT(tree.first_lowest_node(), 1U);
+  const auto raise = [&](const bvh::Leaf& leaf, double height) {
+    std::vector<VertexId> ids;
+    for (const auto& corners : leaf.vertices) ids.push_back(corners[0]);
+    many.move_vertices(ids, std::vector<Vec3>(ids.size(), {0, 0, height})).value();
+  };
+  for (std::size_t n = tree.first_lowest_node(); n < tree.nodes.size(); n += 3) {
+    const std::uint32_t first = tree.nodes[n].first_child;
+    for (const std::uint32_t count : {1U, tree.nodes[n].child_count}) {  // a leaf, or all leaves of a node
+      for (const double height : {little, 0.0}) {
+        for (std::uint32_t k = 0; k < count; ++k) raise(tree.leaves[first + k], height);
+        many.commit();
+        const auto sound = many.validate();
+        ASSERT_TRUE(static_cast<bool>(sound)) << n << ": " << sound.error().text;
+        ASSERT_EQ(collide({many}, {probe}).is_yes(), height > 0) << n;
+      }
+      ASSERT_TRUE(is_one_again()) << n;
     }
   }
 }

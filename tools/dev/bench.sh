@@ -40,15 +40,20 @@ build_benches() {
   build bench --target "${@/#/limber_bench_}"
 }
 
-# run_bench NAME [arguments]: runs a benchmark that has been built, and keeps its tables, processor, compiler and flags.
-run_bench() {
+# note_machine COMMAND...: keeps the processor, and what that command says of compiler and flags.
+note_machine() {
   mkdir -p -- "$results"
   {
     printf 'processor  %s%s (family %s, model %s)\n' "$(processor 'model name')" "$(known_as)" "$(processor 'cpu family')" \
       "$(processor model)"
     printf 'cores      %s visible, 1 used\n' "$jobs"
-    cat -- "$root/build/bench/bench/compiler.txt"
+    "$@"
   } >"$results/machine.txt"
+}
+
+# run_bench NAME [arguments]: runs a benchmark that has been built, and keeps its tables.
+run_bench() {
+  note_machine cat -- "$root/build/bench/bench/compiler.txt"
   say "running limber_bench_$1"
   "$root/build/bench/bench/limber_bench_$1" --out "$results" "${@:2}" </dev/null
 }
@@ -64,24 +69,13 @@ simple() {
   run_bench "${@:2}"
 }
 
-# Debian's own interpreter: matplotlib comes from apt, and another python3 may stand before it on PATH.
-plot() { /usr/bin/python3 "$root/bench/plots/$1.py" "$results"; }
-
 bench_thesis() {
   need build io program plots
   build_benches queries updates
   run_bench queries
   run_bench updates
-  plot plot_thesis
-}
-
-bench_peers() {
-  use_meshes "$@"
-  need build io program peers plots
-  build_benches peers mix
-  run_bench peers "${meshes[@]}"
-  plot plot_peers
-  run_bench mix "${meshes[@]}"
+  # Debian's own interpreter: matplotlib comes from apt, and another python3 may stand before it on PATH.
+  /usr/bin/python3 "$root/bench/plots/plot_thesis.py" "$results"
 }
 
 # bench_against REV [folder of meshes]: builds that revision with its namespace renamed, so that both can be linked.
@@ -111,79 +105,30 @@ bench_deadlines() {
     say "without FOLDER there are no scans: results go to $results"
   fi
   use_meshes "$@"
-  need build io program
-  build_benches deadlines caches
-  run_bench deadlines "${meshes[@]}" "${@:2}"
-  run_bench caches "${meshes[@]}"
+  simple io deadlines "${meshes[@]}" "${@:2}"
 }
 
-# bench_contacts FOLDER: other libraries first, then ours, which reads their times, their answers and their meshes.
-bench_contacts() {
-  local answers=$root/build/contact_answers contacts=../bench/contacts peers=(ipctk coal fcpw trimesh) theirs=()
-  local requirements=("$contacts/requirements.txt")
-  (($#)) || die "bench contacts: which folder has the meshes?"
-  if [[ ${LIMBER_WITH_MESHLIB:-} == 1 ]]; then
-    requirements+=("$contacts/requirements_meshlib.txt")
-    peers=(meshlib "${peers[@]}")
-  fi
-  need build io program points
-  build_benches contacts
-  rm -rf -- "$answers"
-  if (python_environment peers "${requirements[@]}"); then
-    say "running other libraries: ${peers[*]}"
-    PYTHONDONTWRITEBYTECODE=1 "$root/build/peers/bin/python" "$root/bench/contacts/peers.py" "$1" \
-      --peers "${peers[@]}" --out "$results" --answers "$answers" </dev/null
-    theirs=(--peers "$results/contact_peers.csv" --answers "$answers")
-  else
-    say "other libraries are left out, and so are the meshes of two cloths: PyPI's could not be installed"
-  fi
-  run_bench contacts --meshes "$1" "${theirs[@]}" "${@:2}"
-}
-
-bench_motion() {
-  local theirs=()
-  (($#)) || die "bench motion: which folder has the meshes?"
-  need build io program points
-  build_benches motion
-  if (python_environment peers ../bench/contacts/requirements.txt); then
-    say "running the IPC Toolkit"
-    PYTHONDONTWRITEBYTECODE=1 "$root/build/peers/bin/python" "$root/bench/motion/ipc_steps.py" "$1" --out "$results" \
-      </dev/null
-    theirs=(--peers "$results/motion_peers.csv")
-  else
-    say "the IPC Toolkit is left out: PyPI's could not be installed"
-  fi
-  run_bench motion --meshes "$1" "${theirs[@]}" "${@:2}"
-}
-
-bench_configurations() {
+# in_python NAME [arguments]: a benchmark in Python, next to libraries from PyPI.
+in_python() {
   need build io python
-  tests_environment
-  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python"
+  python_environment peers requirements.txt requirements_peers.txt ../bench/python/requirements.txt
+  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/peers/bin/python"
   build release --target limber_python
-  PYTHONPATH=$root/build/release/python PYTHONDONTWRITEBYTECODE=1 "$root/build/python/bin/python" \
-    "$root/bench/scene/configurations.py" --out "$results" "$@" </dev/null
-}
-
-bench_solvers() {
-  (($#)) || die "bench solvers: which folder has the meshes?"
-  need build io program
-  build_benches bodies
-  run_bench bodies
-  bench_contacts "$1"
-  bench_configurations "${@:2}"
-  python3 "$root/bench/solvers/table.py" "$results"
+  note_machine "$root/build/peers/bin/python" -VV
+  PYTHONPATH=$root/build/release/python PYTHONDONTWRITEBYTECODE=1 "$root/build/peers/bin/python" \
+    "$root/bench/python/$1.py" --out "$results" "${@:2}" </dev/null
 }
 
 name=${1:-thesis}
 results=$root/bench/results/$(machine)
 mkdir -p -- "$results"
 case $name in
-  thesis | peers | deadlines | against | contacts | motion | configurations | solvers) "bench_$name" "${@:2}" ;;
-  mix | deforming) use_meshes "${@:2}" && simple peers "$name" "${meshes[@]}" "${@:3}" ;;
+  thesis | deadlines | against) "bench_$name" "${@:2}" ;;
+  mix | points) use_meshes "${@:2}" && simple peers "$name" "${meshes[@]}" "${@:3}" ;;
   threads) use_meshes "${@:2}" && simple io threads "${meshes[@]}" ;;
-  scene) simple peers scene "${@:2}" ;;
-  spikes | haptics | answers) simple io "$name" "${@:2}" ;;
+  scene | deforming) simple peers "$name" "${@:2}" ;;
+  haptics | answers) simple io "$name" "${@:2}" ;;
+  contacts | motion | configurations) in_python "$name" "${@:2}" ;;
   *) die "no benchmark is called '$name'; bench/README.md has the names" ;;
 esac
 say "results are in $results"

@@ -27,17 +27,9 @@ need() {
     say "not a Debian system, so nothing is installed; needed are the likes of: ${packages[*]}"
     return 0
   fi
-  local -A installed=()
-  local missing=() as_root=() log status package architecture own
-  own=$(dpkg --print-architecture)
-  while read -r status package architecture; do
-    if [[ $status != ii && $status != hi ]]; then continue; fi
-    installed[$package:$architecture]=1
-    if [[ $architecture == "$own" || $architecture == all ]]; then installed[$package]=1; fi
-  done < <(dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Architecture}\n' "${packages[@]}" 2>/dev/null || true)
-  for package in "${packages[@]}"; do
-    if [[ ! -v installed[$package] ]]; then missing+=("$package") installed[$package]=1; fi
-  done
+  local missing as_root=() log
+  mapfile -t missing < <(comm -13 <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | sort -u) \
+    <(printf '%s\n' "${packages[@]}" | sort -u))
   ((${#missing[@]})) || return 0
 
   if ((EUID != 0)); then
@@ -91,20 +83,12 @@ run_tests() {
 # in_parallel FUNCTION WORDS...: calls it with the words of each argument, as many at a time as there are processors.
 in_parallel() {
   local function=$1 call words running=0 status=0
-  shift
-  for call in "$@"; do
-    if ((running == jobs)); then
-      wait -n || status=1
-      running=$((running - 1))
-    fi
+  for call in "${@:2}"; do
+    if ((running < jobs)); then running=$((running + 1)); else wait -n || status=1; fi
     read -ra words <<<"$call"
     "$function" "${words[@]}" &
-    running=$((running + 1))
   done
-  while ((running > 0)); do
-    wait -n || status=1
-    running=$((running - 1))
-  done
+  for ((; running > 0; --running)); do wait -n || status=1; done
   return "$status"
 }
 
@@ -134,11 +118,6 @@ run_shard() {
     say "$preset: $name, shard $((shard + 1)) of $jobs FAILED; the log is $log"
     return 1
   fi
-}
-
-# expect_minutes N: says how long a verb takes that keeps one processor busy for N minutes.
-expect_minutes() {
-  say "from nothing this takes about $((($1 + jobs - 1) / jobs)) minutes on $jobs processors of today; after that, what has changed"
 }
 
 # need_for_tests [LIST...]

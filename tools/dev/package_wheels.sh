@@ -5,8 +5,7 @@
 # Wheels that run wherever glibc is 2.28 or newer, with all libraries inside, and the archive of sources. Zig's Clang
 # compiles for that glibc and links its C++ library statically. One wheel is for CPython 3.12 and all later ones, and
 # comes with one for 64-bit ARM; the others are for one version each. Versions may be named; all are made if none is.
-source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
-source "$root/tools/dev/roots.sh"
+source "$(dirname -- "${BASH_SOURCE[0]}")/roots.sh"
 
 folder=$artefacts/wheels
 tools=$root/build/wheel_tools/bin

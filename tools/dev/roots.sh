@@ -1,10 +1,11 @@
 # shellcheck shell=bash
-# shellcheck disable=SC2034,SC2154
+# shellcheck disable=SC2034
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
 # What the scripts of packages share: where they put what they make, sources to make it from, and bare systems to try it
-# on. Each of them sources this file after common.sh.
+# on.
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 artefacts=$root/build/packages
 version=$(sed -n 's/^project(limber VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")

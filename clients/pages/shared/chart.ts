@@ -11,8 +11,8 @@ type Values = readonly (number | null)[];
 
 /** What is drawn, from the back to the front. */
 export interface Series {
-  /** A line, which ends where values are missing, or goes on beyond them; what is above `low`; or dots alone. */
-  kind: 'line' | 'dashed' | 'spanned' | 'area' | 'dot';
+  /** A line, which ends where values are missing; what is above `low`; or dots alone. */
+  kind: 'line' | 'dashed' | 'area' | 'dot';
   /** What is without a name has no key. */
   name?: string;
   /** In the key, after the name. */
@@ -21,8 +21,6 @@ export interface Series {
   color: string;
   values: Values;
   low?: Values;
-  /** Of dots. */
-  size?: number;
 }
 
 export interface ChartOptions {
@@ -30,45 +28,35 @@ export interface ChartOptions {
   unit: string;
   series: readonly Series[];
   isLogarithmic?: boolean;
-  /** Values of x with a line. */
-  marks?: readonly number[];
-  /** A value with a line across. */
-  limit?: { name: string; value: number };
   /** What the rows are called, under the pointer. */
   names?: readonly string[];
 }
 
 const height = 180;
-const frameSteps = [0, 1, 2, 3, 4].flatMap((power) => [1, 2, 5].map((factor) => factor * 10 ** power));
-const opacity = '59'; // of areas: grid and curves show through
+const rowSteps = [0, 1, 2, 3, 4].flatMap((power) => [1, 2, 5].map((factor) => factor * 10 ** power));
 
 export class Chart {
   private readonly plot: uPlot;
   private row: number | undefined;
-  private readonly marks: readonly number[];
-  private readonly limit: number | undefined;
-  private readonly names: readonly string[];
+  private readonly options: ChartOptions;
 
   /** Appends the chart to `host`; `jump` is called with the row that a reader points at. */
-  constructor(host: HTMLElement, options: ChartOptions, jump?: (row: number) => void) {
-    const { series, marks = [], limit, isLogarithmic } = options;
-    this.marks = marks;
-    this.limit = limit?.value;
-    this.names = options.names ?? [];
+  constructor(host: HTMLElement, options: ChartOptions, jump: (row: number) => void) {
+    this.options = options;
+    const { title, unit, series, isLogarithmic } = options;
     const area = element('div', 'plot');
     area.setAttribute('role', 'img');
     area.setAttribute('aria-label', described(options));
-    const ofLimit = limit === undefined ? [] : key({ kind: 'dashed', name: limit.name, color: 'mark', values: [] });
-    const keys = [...series.flatMap(key), ...ofLimit];
-    const caption = element('p', 'soft keys', element('span', 'unit', options.unit), ...keys);
-    host.append(element('div', 'chart', element('h3', '', options.title), caption, area));
+    const caption = element('p', 'soft keys', element('span', 'unit', unit), ...series.flatMap(key));
+    host.append(element('div', 'chart', element('h3', '', title), caption, area));
     const rows = series[0].values.map((_, row) => row);
     const lists = series.flatMap(({ values, low }) => (low === undefined ? [values] : [values, low]));
-    const drawn = lists.map((values) => (isLogarithmic === true ? positive(values) : [...values]));
-    this.plot = new uPlot(this.settings(options, area.clientWidth), [rows, ...drawn], area);
+    // Logarithms need positive numbers: others are gaps.
+    const drawn = lists.map((values) => values.map((v) => (isLogarithmic === true && v !== null && v <= 0 ? null : v)));
+    this.plot = new uPlot(this.settings(area.clientWidth), [rows, ...drawn], area);
     new ResizeObserver(() => this.plot.setSize({ width: area.clientWidth, height })).observe(area);
     onThemeChange(() => this.plot.redraw());
-    if (jump !== undefined) this.followPointer(jump);
+    this.followPointer(jump);
   }
 
   show(row: number): void {
@@ -78,100 +66,64 @@ export class Chart {
 
   private followPointer(jump: (row: number) => void): void {
     const { over } = this.plot;
-    const rowAt = (event: PointerEvent): number => {
-      const row = Math.round(this.plot.posToVal(event.offsetX, 'x'));
-      return Math.min(Math.max(row, 0), this.plot.data[0].length - 1);
-    };
-    const point = (event: PointerEvent): void => jump(rowAt(event));
+    const rowAt = (event: PointerEvent): number => this.plot.posToIdx(event.offsetX);
     over.addEventListener('pointerdown', (event) => {
       over.setPointerCapture(event.pointerId);
-      point(event);
+      jump(rowAt(event));
     });
     over.addEventListener('pointermove', (event) => {
-      if (event.buttons !== 0) point(event);
-      over.title = this.names[rowAt(event)] ?? '';
+      if (event.buttons !== 0) jump(rowAt(event));
+      over.title = this.options.names?.[rowAt(event)] ?? '';
     });
   }
 
-  private settings(options: ChartOptions, width: number): uPlot.Options {
-    const { isLogarithmic = false } = options;
+  private settings(width: number): uPlot.Options {
+    const { isLogarithmic = false } = this.options;
     const series: uPlot.Series[] = [{}];
     const bands: uPlot.Band[] = [];
-    for (const { kind, color, values, size } of options.series) {
+    for (const { kind, color, values } of this.options.series) {
       const stroke = (): string => token(color);
       const isDot = kind === 'dot';
       if (kind === 'area') {
-        bands.push({ series: [series.length, series.length + 1], fill: () => `${token(color)}${opacity}` });
+        // Grid and curves show through.
+        bands.push({ series: [series.length, series.length + 1], fill: () => `${token(color)}59` });
         series.push({ width: 0, points: { show: false } }, { width: 0, points: { show: false } });
       } else {
         series.push({
           stroke,
           paths: isDot ? () => null : undefined,
-          spanGaps: kind === 'spanned',
-          width: 1.8,
+          width: values.length > 200 ? 1.2 : 1.8,
           dash: kind === 'dashed' ? [5, 4] : undefined,
-          points: { show: isDot || values.length === 1, size: size ?? 6, fill: isDot ? stroke : undefined },
+          points: { show: isDot || values.length === 1, size: 7, fill: isDot ? stroke : undefined },
         });
       }
     }
     const font = `14px ${getComputedStyle(document.body).fontFamily}`;
-    const axis = { font, stroke: () => token('soft'), grid: { stroke: () => token('grid'), width: 1 } };
+    const grid = { stroke: () => token('grid'), width: 1 };
+    const axis = { font, grid, stroke: () => token('soft'), ticks: { show: false } };
+    // Axes start at zero, unless the curve would be a line far above it.
+    const range = { min: { pad: 1, soft: 0, mode: 3 }, max: { pad: 0.06 } } as const;
     return {
       width,
       height,
       legend: { show: false },
       cursor: { sync: { key: 'rows' }, drag: { x: false, y: false }, points: { show: false } },
-      scales: {
-        x: { time: false },
-        y: isLogarithmic ? { distr: 3, range: logarithmicRange } : { range: this.rangeWithLimit },
-      },
+      scales: { x: { time: false }, y: isLogarithmic ? { distr: 3 } : { range } },
       axes: [
-        { ...axis, ticks: { show: false }, size: 30, incrs: frameSteps },
-        {
-          ...axis,
-          ticks: { show: false },
-          size: 64,
-          values: (_, all) => all.map((v) => (v === null ? '' : shown(v, 4))),
-          ...(isLogarithmic ? { splits: powers, filter: (_, splits) => splits } : {}),
-        },
+        { ...axis, size: 30, incrs: rowSteps },
+        { ...axis, size: 64, values: (_, all) => all.map((v) => (v === null ? '' : shown(v, 4))) },
       ],
       series,
       bands,
-      hooks: { draw: [(plot) => this.drawLines(plot)] },
+      hooks: { draw: [(plot) => this.drawRow(plot)] },
     };
   }
 
-  private readonly rangeWithLimit = (_: uPlot, low: number | null, high: number | null): [number, number] => {
-    if (this.limit === undefined) return fromZero(low, high);
-    return fromZero(Math.min(low ?? Infinity, this.limit), Math.max(high ?? 0, this.limit));
-  };
-
-  /** The row that is shown, the marks, and the limit. */
-  private drawLines(plot: uPlot): void {
-    const { ctx, bbox } = plot;
-    ctx.save();
-    ctx.lineWidth = 2 * devicePixelRatio;
-    ctx.setLineDash([]);
-    const draw = (at: number, color: string): void => {
-      const x = plot.valToPos(at, 'x', true);
-      ctx.strokeStyle = token(color);
-      ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + bbox.height);
-      ctx.stroke();
-    };
-    for (const mark of this.marks) draw(mark, 'mark');
-    if (this.row !== undefined) draw(this.row, 'ink');
-    if (this.limit !== undefined) {
-      const y = plot.valToPos(this.limit, 'y', true);
-      ctx.strokeStyle = token('mark');
-      ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
-      ctx.beginPath();
-      ctx.moveTo(bbox.left, y);
-      ctx.lineTo(bbox.left + bbox.width, y);
-      ctx.stroke();
-    }
-    ctx.restore();
+  /** The row that is shown. */
+  private drawRow({ ctx, bbox, valToPos }: uPlot): void {
+    if (this.row === undefined) return;
+    ctx.fillStyle = token('ink');
+    ctx.fillRect(valToPos(this.row, 'x', true) - devicePixelRatio, bbox.top, 2 * devicePixelRatio, bbox.height);
   }
 }
 
@@ -183,39 +135,13 @@ function key({ kind, name, numbers, color }: Series): HTMLElement[] {
   return [element('span', 'key', drawn, name, ...after)];
 }
 
-/** Axes start at zero, unless the curve would be a line far above it. */
-const fromZero = (low: number | null, high: number | null): [number, number] => {
-  const top = high !== null && high > 0 ? high : 1;
-  if (low === null || low <= top / 2 || low === top) return [0, 1.06 * top];
-  const gap = (top - low) / 10;
-  return [low - gap, top + gap];
-};
-
-/** Logarithmic axes end at round numbers. */
-const logarithmicRange = (_: uPlot, low: number | null, high: number | null): [number, number] =>
-  uPlot.rangeLog(low ?? 1, high ?? 10, 10, false) as [number, number];
-
-/** What a logarithmic axis labels: powers of ten; where they are few, 2 and 5 times them too. */
-const powers = (_: uPlot, __: number, low: number, high: number): number[] => {
-  const first = Math.floor(Math.log10(low));
-  const factors = high / low < 200 ? [1, 2, 5] : [1];
-  const exponents = Array.from({ length: Math.ceil(Math.log10(high)) - first + 1 }, (_, i) => first + i);
-  const splits = exponents.flatMap((exponent) => factors.map((factor) => Number(`${factor}e${exponent}`)));
-  return splits.filter((split) => split >= low * 0.999 && split <= high * 1.001);
-};
-
-/** Logarithms need positive numbers: others are gaps. */
-const positive = (values: Values): (number | null)[] => values.map((v) => (v !== null && v <= 0 ? null : v));
-
-function described({ title, unit, series, limit }: ChartOptions): string {
+function described({ title, unit, series }: ChartOptions): string {
   const parts = series.flatMap(({ name, values }) => {
     if (name === undefined) return [];
     const numbers = values.filter((v) => v !== null);
     if (numbers.length === 0) return [`${name}: nothing`];
-    const low = numbers.reduce((a, b) => Math.min(a, b));
-    const high = numbers.reduce((a, b) => Math.max(a, b));
-    return [`${name}: ${shown(low)} to ${shown(high)}`];
+    const [low, high] = [Math.min, Math.max].map((least) => numbers.reduce((a, b) => least(a, b)));
+    return [`${name}: ${low === high ? '' : `${shown(low)} to `}${shown(high)}`];
   });
-  if (limit !== undefined) parts.push(limit.name);
   return `${title}, ${unit}. ${parts.join('; ')}`;
 }

@@ -6,30 +6,17 @@
  */
 
 import { Matrix4 } from 'three';
-import type { Vector3 } from 'three';
 
 type Triple<T> = [T, T, T];
 
-/** Numbers as low + step * k, where k has 24 bits. */
-export interface Quantized {
-  low: number;
-  step: number;
-  data: string;
-}
-
-/** The same for three coordinates. */
+/** Coordinates as low + step * k, where k has 24 bits. */
 export interface QuantizedPoints {
   low: Triple<number>;
   step: Triple<number>;
   data: Triple<string>;
 }
 
-export function bytesOf(base64: string): Uint8Array<ArrayBuffer> {
-  const text = atob(base64);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-  return bytes;
-}
+const bytesOf = (base64: string): Uint8Array<ArrayBuffer> => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
 /** Counts in groups of 7 bits, the lowest first. */
 export function countsOf(base64: string): number[] {
@@ -51,24 +38,13 @@ export function increasingIdsOf(base64: string): number[] {
   return countsOf(base64).map((difference) => (id += difference));
 }
 
-export function numbersOf(quantized: Quantized): Float64Array {
-  const bytes = bytesOf(quantized.data);
-  const numbers = new Float64Array(bytes.length / 3);
-  for (let i = 0; i < numbers.length; ++i) {
-    const quanta = bytes[3 * i] + 256 * bytes[3 * i + 1] + 65536 * bytes[3 * i + 2];
-    numbers[i] = quantized.low + quantized.step * quanta;
-  }
-  return numbers;
-}
-
-/** Three coordinates for each point, moved by -center and divided by `size`, so that float32 resolves them well. */
-export function pointsOf({ low, step, data }: QuantizedPoints, center: Vector3, size: number): Float32Array {
-  const axes = [0, 1, 2].map((axis) => numbersOf({ low: low[axis], step: step[axis], data: data[axis] }));
-  const middle = center.toArray();
-  return Float32Array.from(
-    { length: 3 * axes[0].length },
-    (_, i) => (axes[i % 3][Math.floor(i / 3)] - middle[i % 3]) / size,
-  );
+/** Three coordinates for each point, above the lowest ones and divided by `unit`, which float32 resolves well. */
+export function pointsOf({ step, data }: QuantizedPoints, unit: number): Float32Array {
+  const axes = data.map(bytesOf);
+  return Float32Array.from({ length: axes[0].length }, (_, i) => {
+    const [bytes, at] = [axes[i % 3], 3 * Math.floor(i / 3)];
+    return ((bytes[at] + 256 * bytes[at + 1] + 65536 * bytes[at + 2]) * step[i % 3]) / unit;
+  });
 }
 
 /** Three vertices for each triangle. */

@@ -22,54 +22,42 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-export function svgElement(tag: string, attributes: Record<string, string | number>, text = ''): SVGElement {
-  const made = document.createElementNS('http://www.w3.org/2000/svg', tag) as SVGElement;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
-  made.textContent = text;
+/** A cell that tells what its row or column has. */
+export function headOf(scope: 'row' | 'col', content: string | Node): HTMLElement {
+  const made = element('th', '', content);
+  made.scope = scope;
   return made;
 }
 
 /** Rows of a table: a name, and one or more texts. */
 export function fillTable(table: HTMLElement, rows: readonly (readonly (string | Node)[])[]): void {
   table.replaceChildren(
-    ...rows.map(([name, ...cells]) => {
-      const head = element('th', '', name);
-      head.scope = 'row';
-      return element('tr', '', head, ...cells.map((cell) => element('td', '', cell)));
-    }),
+    ...rows.map(([name, ...cells]) =>
+      element('tr', '', headOf('row', name), ...cells.map((cell) => element('td', '', cell))),
+    ),
   );
 }
 
-/** Lets a box of the page switch something on and off. */
-export function connectBox(id: string, isOn: boolean, set: (isOn: boolean) => void): void {
-  const box = byId<HTMLInputElement>(id);
-  box.checked = isOn;
-  box.addEventListener('change', () => set(box.checked));
-  set(isOn);
+/** A table with heads above its columns. */
+export function fillList(table: HTMLElement, heads: readonly (string | Node)[], rows: (string | Node)[][]): void {
+  const body = element('tbody');
+  fillTable(body, rows);
+  table.classList.add('list');
+  table.append(element('thead', '', element('tr', '', ...heads.map((head) => headOf('col', head)))), body);
 }
 
 /** Lets a button copy the command line; where the browser does not allow that, it is selected. */
 export function connectCopy(): void {
-  const [button, command] = [byId('copy'), byId('command')];
-  button.addEventListener('click', () => {
+  byId('copy').addEventListener('click', () => {
+    const command = byId('command');
     getSelection()?.selectAllChildren(command);
-    const copying = navigator.clipboard?.writeText(command.textContent ?? '') ?? Promise.reject();
-    copying.then(
-      () => (button.textContent = 'Copied'),
-      () => (button.textContent = 'Selected'),
-    );
+    navigator.clipboard?.writeText(command.textContent!).then(() => (byId('copy').textContent = 'Copied'));
   });
 }
 
 /** A colour of page.css. */
 export const token = (name: string): string =>
   getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-
-/** A colour #rrggbb as three numbers from 0 to 1. */
-export const rgbOf = (color: string): [number, number, number] =>
-  [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16) / 255) as [number, number, number];
-
-export const tokenRgb = (name: string): [number, number, number] => rgbOf(token(name));
 
 /** Calls back whenever the reader's screen changes between light and dark, or to paper, which is light. */
 export function onThemeChange(callback: () => void): void {

@@ -6,31 +6,17 @@
  * across the view are true to scale. A picture is drawn only where something has changed.
  */
 
-import { Box3, MOUSE, Matrix4, OrthographicCamera, Scene, TOUCH, Vector3, WebGLRenderer } from 'three';
+import { Box3, Matrix4, OrthographicCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import type { Object3D } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { element } from './dom.ts';
 
-/** The world as views draw it: moved by -center and divided by size, so that float32 resolves it well. */
-export interface Frame {
-  center: Vector3;
-  size: number;
-}
-
-/** The frame of a box of the world: its longest diagonal becomes 1. */
-export function frameOf(box: Box3): Frame {
+/** From the world to what views draw: a box whose diagonal becomes 1, around the origin, which float32 resolves. */
+export function frameOf(box: Box3): Matrix4 {
   const size = Math.hypot(...box.getSize(new Vector3()));
-  return { center: box.getCenter(new Vector3()), size: size > 0 ? size : 1 };
-}
-
-export const framed = ({ center, size }: Frame, p: Vector3): Vector3 => p.clone().sub(center).divideScalar(size);
-
-export const framedBox = (frame: Frame, { min, max }: Box3): Box3 => new Box3(framed(frame, min), framed(frame, max));
-
-/** From the world to the frame. */
-export function matrixInFrame({ center, size }: Frame): Matrix4 {
-  const factor = 1 / size;
-  return new Matrix4().makeScale(factor, factor, factor).setPosition(center.clone().multiplyScalar(-factor));
+  const factor = size > 0 ? 1 / size : 1;
+  const center = box.getCenter(new Vector3());
+  return new Matrix4().makeScale(factor, factor, factor).setPosition(center.multiplyScalar(-factor));
 }
 
 export const upY = new Vector3(0, 1, 0);
@@ -42,38 +28,25 @@ export const usualUp = (names: readonly string[]): Vector3 =>
 
 const halfHeight = 0.5;
 const margin = 1.12; // around what is looked at
-const turnStep = Math.PI / 24;
-const moveStep = 0.06; // of the view's height
 const zoomStep = 1.2;
-const arrows: Record<string, readonly [number, number]> = {
-  ArrowLeft: [-1, 0],
-  ArrowRight: [1, 0],
-  ArrowUp: [0, 1],
-  ArrowDown: [0, -1],
-};
 
 export class Viewer {
   readonly host: HTMLElement;
   private readonly renderer: WebGLRenderer | undefined;
   private readonly scene = new Scene();
   private readonly camera = new OrthographicCamera();
-  private readonly isFlat: boolean;
   private readonly callbacks: (() => void)[] = [];
   private controls: OrbitControls;
   private isRequested = false;
   private width = 1;
   private height = 1;
 
-  /**
-   * `host` holds the view and gets the keys; what it has inside stays above the picture. A view that is flat has no
-   * picture, only what lies above it, and is not turned.
-   */
-  constructor(host: HTMLElement, up: Vector3, isFlat = false) {
+  /** `host` holds the view and gets the keys; what it has inside stays above the picture. */
+  constructor(host: HTMLElement, up: Vector3) {
     this.host = host;
-    this.isFlat = isFlat;
-    this.renderer = isFlat ? undefined : rendererIn(host);
+    this.renderer = rendererIn(host);
     this.controls = this.madeControls(up);
-    host.addEventListener('keydown', (event) => this.press(event));
+    host.addEventListener('keydown', (event) => this.zoomBy(event));
     // The controls tell of changes, but not of those that are small for who has not zoomed in.
     host.addEventListener('pointermove', ({ buttons }) => buttons !== 0 && this.request());
     new ResizeObserver(() => this.resize()).observe(host);
@@ -93,12 +66,6 @@ export class Viewer {
   /** Adds objects, whose coordinates are those of the frame. */
   add(...objects: Object3D[]): void {
     this.scene.add(...objects);
-    this.request();
-  }
-
-  remove(...objects: Object3D[]): void {
-    this.scene.remove(...objects);
-    this.request();
   }
 
   /** Calls back after each picture, to place what lies above it. */
@@ -117,10 +84,9 @@ export class Viewer {
   }
 
   /** Looks at a sphere, from a direction if one is given, else from where the view is now. */
-  lookAt(center: Vector3, radius: number, from?: Vector3): void {
-    const away = from?.clone() ?? this.camera.position.clone().sub(this.controls.target);
+  lookAt(center: Vector3, radius: number, from = this.from): void {
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(away.normalize(), 2);
+    this.camera.position.copy(center).addScaledVector(from.clone().normalize(), 2);
     this.camera.zoom = (halfHeight * Math.min(1, this.width / this.height)) / Math.max(radius, 1e-7);
     this.camera.updateProjectionMatrix();
     this.controls.update();
@@ -159,22 +125,15 @@ export class Viewer {
     return this.camera.getWorldDirection(new Vector3()).negate();
   }
 
-  /** How long a pixel is, in the frame. */
-  get pixel(): number {
-    return (2 * halfHeight) / this.camera.zoom / this.height;
-  }
-
   get size(): [number, number] {
     return [this.width, this.height];
   }
 
-  /** Draws now. */
-  draw(): void {
+  private draw(): void {
     // The frame's objects lie within 1 of its center: the planes that bound the view are as tight as that allows.
     this.camera.updateMatrixWorld();
-    const ahead = this.camera.getWorldDirection(new Vector3()).dot(this.camera.position);
-    this.camera.near = -ahead - 1;
-    this.camera.far = -ahead + 1;
+    const ahead = -this.from.dot(this.camera.position);
+    Object.assign(this.camera, { near: -ahead - 1, far: -ahead + 1 });
     this.camera.updateProjectionMatrix();
     this.renderer?.render(this.scene, this.camera);
     for (const callback of this.callbacks) callback();
@@ -183,14 +142,8 @@ export class Viewer {
   private madeControls(up: Vector3): OrbitControls {
     this.camera.up.copy(up);
     const controls = new OrbitControls(this.camera, this.host);
-    controls.zoomToCursor = true;
-    controls.minZoom = 0.2;
-    controls.maxZoom = 1e6;
-    if (this.isFlat) {
-      controls.enableRotate = false;
-      controls.mouseButtons.LEFT = MOUSE.PAN;
-      controls.touches = { ONE: TOUCH.PAN, TWO: TOUCH.DOLLY_PAN };
-    }
+    Object.assign(controls, { zoomToCursor: true, minZoom: 0.2, maxZoom: 1e6, keyPanSpeed: 30, keyRotateSpeed: 10 });
+    controls.listenToKeyEvents(this.host);
     controls.addEventListener('change', () => this.request());
     return controls;
   }
@@ -201,8 +154,8 @@ export class Viewer {
     const narrowBefore = Math.min(1, this.width / this.height);
     [this.width, this.height] = [clientWidth, clientHeight];
     const aspect = this.width / this.height;
-    Object.assign(this.camera, { left: -halfHeight * aspect, right: halfHeight * aspect });
-    Object.assign(this.camera, { top: halfHeight, bottom: -halfHeight });
+    const [right, top] = [halfHeight * aspect, halfHeight];
+    Object.assign(this.camera, { left: -right, right, top, bottom: -top });
     const factor = Math.min(1, aspect) / narrowBefore;
     this.camera.zoom *= factor;
     this.controls.zoom0 *= factor; // where 0 goes back to
@@ -211,18 +164,12 @@ export class Viewer {
     this.request();
   }
 
-  private press(event: KeyboardEvent): void {
-    if (event.target !== this.host || event.ctrlKey || event.metaKey || event.altKey) return;
-    const { controls } = this;
-    const [right, up] = arrows[event.key] ?? [0, 0];
-    if (event.key in arrows && (event.shiftKey || this.isFlat)) {
-      controls.pan(-right * moveStep * this.height, up * moveStep * this.height);
-    } else if (event.key in arrows) {
-      controls.rotateLeft(right * turnStep);
-      controls.rotateUp(up * turnStep);
-    } else if (event.key === '+' || event.key === '=') controls.dollyIn(1 / zoomStep);
-    else if (event.key === '-') controls.dollyOut(1 / zoomStep);
-    else if (event.key === '0') controls.reset();
+  /** The controls know arrow keys alone. */
+  private zoomBy(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === '+' || event.key === '=') this.controls.dollyIn(1 / zoomStep);
+    else if (event.key === '-') this.controls.dollyOut(1 / zoomStep);
+    else if (event.key === '0') this.controls.reset();
     else return;
     event.preventDefault();
     this.request();

@@ -7,6 +7,7 @@ import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
+import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { build } from 'esbuild-wasm';
 import { chromium } from 'playwright-core';
@@ -144,6 +145,9 @@ export const screens = [
 export const rowsOf = (page, selector) =>
   page.$$eval(`${selector} tr`, (all) => all.map((tr) => [...tr.children].map((cell) => cell.textContent)));
 
+/** The answer that is shown, by the names of its lines. */
+export const answerOf = async (page) => new Map(await rowsOf(page, '#answer'));
+
 /** Waits for two frames of the screen: what was asked for has been drawn. */
 export const settled = (page) =>
   page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
@@ -170,16 +174,23 @@ export const textsOf = (page, selector) => page.$$eval(selector, (all) => all.ma
 
 export const tileTexts = (page) => textsOf(page, '#tiles > div');
 
-/** Whether all that is seen of a page fits, its view is drawn, and charts where there are some, in silence. */
-export async function expectGoodLooks(page, width, hasCharts) {
-  assert.deepEqual(page.complaints, []);
-  const { drawn } = await picture(page);
-  assert.ok(drawn > 0.02 && drawn < 0.98, `${drawn} of the view is drawn`);
-  assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= innerWidth), 'the page is too wide');
-  const charts = await page.$$eval('.plot canvas', (all) => all.map((canvas) => canvas.clientWidth));
-  assert.equal(charts.length > 0, hasCharts);
-  for (const chart of charts) assert.ok(chart > 250 && chart <= width, `${chart} pixels`);
-  assert.equal(await page.locator('main h2:empty').count(), 0);
+/** Tests whether all that is seen of pages fits, views are drawn, and charts where there are some, in silence. */
+export function expectGoodLooks(session, names, hasCharts) {
+  const look = (width) => async (page) => {
+    assert.deepEqual(page.complaints, []);
+    const { drawn } = await picture(page);
+    assert.ok(drawn > 0.02 && drawn < 0.98, `${drawn} of the view is drawn`);
+    assert.ok(await page.evaluate(() => document.scrollingElement.scrollWidth <= innerWidth), 'the page is too wide');
+    const charts = await page.$$eval('.plot canvas', (all) => all.map((canvas) => canvas.clientWidth));
+    assert.equal(charts.length > 0, hasCharts);
+    for (const chart of charts) assert.ok(chart > 250 && chart <= width, `${chart} pixels`);
+    assert.equal(await page.locator('main h2:empty').count(), 0);
+  };
+  for (const name of names) {
+    test(`${name} draws its pictures without a complaint, wide and light, narrow and dark`, async () => {
+      for (const screen of screens) await session.show(name, screen, look(screen.width));
+    });
+  }
 }
 
 /** Goes through all that can have the focus; each has a name, and shows the focus. */

@@ -4,12 +4,12 @@
 /** What clients/program/reports writes: answers about pairs of models, row by row, and the models. */
 
 import { byId } from '../shared/dom.ts';
-import type { FramesData, Quantized, QuantizedPoints } from '../shared/decode.ts';
+import type { FramesData, QuantizedPoints } from '../shared/decode.ts';
 
 export type Clash =
   'hard_clash' | 'cannot_tell' | 'surfaces_meet' | 'touching' | 'clearance' | 'clear' | 'surfaces_apart';
 type Nesting = 'a_inside_b' | 'b_inside_a';
-export type Point = [number, number, number];
+type Point = [number, number, number];
 
 export interface ModelData {
   name: string;
@@ -25,10 +25,6 @@ export interface ModelData {
   /** Of the box in the model's own frame. */
   low?: Point;
   high?: Point;
-  /** To the other model, by vertex. */
-  distances?: Quantized;
-  /** Where triangles of the file have been divided: how many parts each has. */
-  parts?: string;
 }
 
 /** Lists with an entry for each answer. */
@@ -61,24 +57,12 @@ interface Rows {
   moved_vertices?: number[];
 }
 
-/** What touches first on the way from the row before. */
-export interface ImpactRows {
-  name: string;
-  /** Null in frames that none comes before. */
-  status: ('clear' | 'contact' | 'initial_contact' | null)[];
-  /** When, in frames; null where nothing touches. */
-  lower: (number | null)[];
-  /** The feature and the triangle of each side; there is no feature where models cross. */
-  touch: ([string | null, number, string | null, number] | null)[];
-}
-
 export interface Data {
   version: string;
   made_at: string;
   command: string;
   title: string;
   unit: string;
-  inputs: { name: string; bytes: number; sha256: string }[];
   /** One pair; pairs of a list; pairs of parts that stand together; two models frame by frame. */
   kind: 'pair' | 'pairs' | 'parts' | 'frames';
   min_clearance: number | null;
@@ -103,8 +87,6 @@ export interface Data {
     node_tests: number;
     primitive_tests: number;
     intersections: number;
-    contact_normal: Point | null;
-    witness_corners: [Point[], Point[]] | null;
   };
   /** Of frames; rows are more where a sequence is played again. Every `stride`-th is kept. */
   frame_count: number;
@@ -112,7 +94,6 @@ export interface Data {
   max_megabytes: number;
   engine: string;
   contacts: { name: string; query_us: number[]; count: number[]; intersecting: number[] }[];
-  impacts: ImpactRows[];
   /** What only `limber demo` has. */
   demo?: {
     introduction: string;
@@ -128,8 +109,8 @@ export function readData(): Data {
   const written = JSON.parse(byId('data').textContent ?? 'null');
   const expected = document.querySelector<HTMLMetaElement>('meta[name="limber-data"]')!.content;
   if (String(written.format) !== expected) throw new Error(`data of format ${written.format}, not ${expected}`);
-  const none = { title: '', unit: '', inputs: [], tolerance: 0, mesh_error: 0, counts: {}, accepted: 0 };
-  const data: Data = { ...none, frame_count: 1, stride: 1, contacts: [], impacts: [], ...written };
+  const none = { title: '', unit: '', tolerance: 0, mesh_error: 0, counts: {}, accepted: 0 };
+  const data: Data = { ...none, frame_count: 1, stride: 1, contacts: [], ...written };
   if (data.kind !== 'frames') return data;
   const { status, too_close } = data.rows;
   Object.assign(data.rows, { a: status.map(() => 0), b: status.map(() => 1), row: status.map((_, row) => row) });
@@ -138,19 +119,14 @@ export function readData(): Data {
   return data;
 }
 
-export const meetsIn = ({ rows }: Data, row: number): boolean => rows.status[row] === 'collision';
-
-/** Whether the models touch in a row, or on the way to it. */
-export const touchesIn = (data: Data, row: number): boolean =>
-  meetsIn(data, row) ||
-  data.impacts.some(({ name, status }) => name === 'impact' && status[row] !== null && status[row] !== 'clear');
+export const meetsIn = ({ rows }: Pick<Data, 'rows'>, row: number): boolean => rows.status[row] === 'collision';
 
 /** The numbers of frames, the worst first: the deepest, then those where the models touch, then the nearest. */
 export function worstFirst(data: Data): number[] {
   const { lower, upper, depth } = data.rows;
   const keys = upper.map((most, row) => [
     -(depth[row] ?? 0),
-    touchesIn(data, row) ? 0 : (most ?? Infinity),
+    meetsIn(data, row) ? 0 : (most ?? Infinity),
     lower[row] ?? Infinity,
   ]);
   const order = keys.map((_, row) => row);
@@ -158,6 +134,10 @@ export function worstFirst(data: Data): number[] {
     keys[r][key] === keys[s][key] ? 0 : keys[r][key] - keys[s][key];
   return order.sort((r, s) => compared(r, s, 0) || compared(r, s, 1) || compared(r, s, 2) || r - s);
 }
+
+/** How many rows there are: more than the page has, where they are too many for it. */
+export const totalOf = ({ kind, counts, accepted, rows }: Data): number =>
+  kind === 'frames' ? rows.status.length : Object.values(counts).reduce((sum, number) => sum + number, accepted);
 
 /** Whether all rows are about the same two models, so that pages may call them A and B. */
 export function isOfOnePair({ kind, parts: { model }, rows }: Data): boolean {

@@ -7,46 +7,35 @@ import { byId, connectCopy, element } from '../shared/dom.ts';
 import { setUnit } from '../shared/numbers.ts';
 import { RowList } from '../shared/row_list.ts';
 import { showCharts } from './charts.ts';
-import { isOfOnePair, readData } from './data.ts';
+import { isOfOnePair, readData, totalOf } from './data.ts';
 import type { Data } from './data.ts';
-import { connectLegend } from './legend.ts';
-import { Matrix } from './matrix.ts';
 import { modelsOf, partsOf } from './models.ts';
 import type { Part } from './models.ts';
 import { Player } from './player.ts';
-import { connectSection } from './section.ts';
 import { showAnswer, showMaking, showModels } from './tables.ts';
 import { partName, rowName, showTiles, showTitles, shownDistance, verdictOf } from './texts.ts';
-import { connectTraveller, showHeights } from './traveller.ts';
 import { View } from './view.ts';
 
-const mostInMatrix = 200; // parts
-
 /** The page has all that some kind of data needs; what others need leaves. */
-function takeParts({ kind, min_clearance, parts, rows }: Data): void {
-  const leaves = (part: HTMLElement): boolean => !part.dataset.of!.split(' ').includes(kind);
-  document.querySelectorAll<HTMLElement>('[data-of]').forEach((part) => leaves(part) && part.remove());
+function takeParts({ kind, min_clearance, rows }: Data): void {
+  for (const part of document.querySelectorAll<HTMLElement>('[data-of]')) {
+    if (!part.dataset.of!.split(' ').includes(kind)) part.remove();
+  }
   if (kind === 'frames' && min_clearance === null) byId('rows-section').remove();
-  if (kind === 'parts' && parts.name.length > mostInMatrix) byId('matrix-section').remove();
   if (rows.status.length === 0) {
-    for (const part of document.querySelectorAll('.pair, #answer-section, #matrix-section, #rows-section'))
-      part.remove();
+    for (const part of document.querySelectorAll('.pair, #answer-section, #rows-section')) part.remove();
   } else {
-    const beside = { pair: 'section-part', pairs: 'rows-section', parts: 'rows-section', frames: 'charts-section' }[
-      kind
-    ];
-    document.querySelector('.pair')!.append(byId(beside));
+    const beside = { pair: 'answer', pairs: 'rows', parts: 'rows', frames: 'charts' }[kind];
+    document.querySelector('.pair')!.append(byId(`${beside}-section`));
   }
 }
 
 /** All rows, the worst first. */
 function listOf(data: Data, choose: (row: number) => void): RowList {
-  const { rows, kind, worst_first, counts, accepted } = data;
+  const { rows, kind, worst_first } = data;
   const names = kind === 'parts' || !isOfOnePair(data) ? [kind === 'parts' ? 'Parts' : 'Models'] : [];
-  const what = kind === 'frames' ? 'frames' : 'pairs';
-  const total = Object.values(counts).reduce((sum, number) => sum + number, accepted);
-  const all = total > rows.row.length ? `The worst ${rows.row.length}` : 'All';
-  byId('rows-title').textContent = `${all} ${what}, the worst first`;
+  const all = totalOf(data) > rows.row.length ? `The worst ${rows.row.length}` : 'All';
+  byId('rows-title').textContent = `${all} ${kind === 'frames' ? 'frames' : 'pairs'}, the worst first`;
   const shown = worst_first.map((row) => {
     const { kind: word, text } = verdictOf(data, row);
     const both = [rows.a[row], rows.b[row]].map((part) => element('div', '', partName(data, part)));
@@ -61,33 +50,21 @@ function listOf(data: Data, choose: (row: number) => void): RowList {
 function showRows(data: Data, parts: readonly Part[]): void {
   const { kind, rows, worst_first, frame_count, stride, min_clearance } = data;
   const [worst] = worst_first;
+  const first = kind === 'frames' && min_clearance === null ? 0 : worst;
   const shows: { show(row: number): void }[] = [];
-  const show = (row: number): void => {
-    for (const shown of shows) shown.show(row);
-  };
+  const show = (row: number): void => shows.forEach((shown) => shown.show(row));
   const choose = (row: number): void => (player === undefined ? show(row) : player.jumpTo(row));
   // Charts come first, as the view is as high as they are.
   if (kind === 'frames' || kind === 'pairs') shows.push(...showCharts(data, choose));
-  if (document.getElementById('matrix') !== null) shows.push(new Matrix(data, choose));
   const list = document.getElementById('rows') === null ? undefined : listOf(data, choose);
   if (list !== undefined) shows.push(list);
-  shows.push({ show: (row) => showAnswer(data, row) });
-  const first = kind === 'frames' && min_clearance === null ? 0 : worst;
-  const view = new View(data, parts, first);
-  shows.push(view);
-  if (kind === 'pair') {
-    connectSection(data, view);
-    connectLegend(data, view);
-  }
+  shows.push({ show: (row) => showAnswer(data, row) }, new View(data, parts, first));
   let player: Player | undefined;
   if (kind === 'frames') {
-    showHeights(view);
-    connectTraveller(data, view);
-    const last = rows.status.length - 1;
     const keptRows = rows.row.filter((row) => (row % frame_count) % stride === 0);
     player = new Player(keptRows, (row) => {
       show(row);
-      byId('frame-text').textContent = `${row} of ${last}`;
+      byId('frame-text').textContent = `${row} of ${rows.status.length - 1}`;
       byId('frame').setAttribute('aria-valuetext', `frame ${row}, ${shownDistance(data, row)}`);
     });
     byId('worst').hidden = min_clearance === null;

@@ -3,20 +3,21 @@
 
 /** The models of a page, decoded, and where they stand. */
 
-import { Box3, Matrix4, Vector3 } from 'three';
-import { PositionFrames, cornersOf, increasingIdsOf, numbersOf, pointsOf, posesOf } from '../shared/decode.ts';
-import type { Mesh } from '../shared/surface.ts';
-import { matrixInFrame } from '../shared/viewer.ts';
-import type { Frame } from '../shared/viewer.ts';
+import { Box3, BufferAttribute, Matrix4, Vector3 } from 'three';
+import type { BufferGeometry } from 'three';
+import { PositionFrames, cornersOf, pointsOf, posesOf } from '../shared/decode.ts';
+import { geometryOf } from '../shared/surface.ts';
 import type { Data, ModelData } from './data.ts';
 
 /** A mesh with a step of the file as its unit, so that float32 holds it exactly. */
 export class Model {
   readonly data: ModelData;
-  readonly mesh: Mesh;
+  readonly points: Float32Array;
+  readonly corners: Uint32Array;
+  readonly geometry: BufferGeometry;
   readonly deforms: boolean;
-  /** To the other model, by vertex. */
-  readonly distances: Float32Array | undefined;
+  /** What coordinates are multiples of. */
+  readonly step: number;
   /** From the mesh to the model's own frame. */
   readonly own: Matrix4;
   /** Of the mesh, as it is now. */
@@ -26,33 +27,17 @@ export class Model {
   constructor(data: ModelData) {
     this.data = data;
     const { frames, positions } = data;
-    const corners = cornersOf(data.corners);
-    const vertexCount = corners.reduce((most, v) => Math.max(most, v), 0) + 1;
-    const origin = new Vector3(...(frames ?? positions)!.low);
+    this.corners = cornersOf(data.corners);
+    const vertexCount = this.corners.reduce((most, v) => Math.max(most, v), 0) + 1;
+    this.step = frames?.step ?? Math.max(...positions!.step);
     const unit = this.step > 0 ? this.step : 1;
-    this.mesh = {
-      points: positions === undefined ? new Float32Array(3 * vertexCount) : pointsOf(positions, origin, unit),
-      corners,
-    };
-    this.own = new Matrix4().makeScale(unit, unit, unit).setPosition(origin);
-    this.distances = data.distances && Float32Array.from(numbersOf(data.distances));
+    this.points = positions === undefined ? new Float32Array(3 * vertexCount) : pointsOf(positions, unit);
+    this.geometry = geometryOf(new BufferAttribute(this.points, 3), this.corners);
+    this.own = new Matrix4().makeScale(unit, unit, unit).setPosition(new Vector3(...(frames ?? positions)!.low));
     this.deforms = frames !== undefined;
     this.frames = frames && new PositionFrames(frames, vertexCount);
-    this.box.setFromArray(this.mesh.points);
+    this.box.setFromArray(this.points);
     this.moveTo(0);
-  }
-
-  /** What coordinates are multiples of. */
-  get step(): number {
-    return this.data.frames?.step ?? Math.max(...this.data.positions!.step);
-  }
-
-  get nearest(): number {
-    return this.distances!.reduce((a, b) => Math.min(a, b), Infinity);
-  }
-
-  get farthest(): number {
-    return this.distances!.reduce((a, b) => Math.max(a, b), 0);
   }
 
   /** The diagonal of the box. */
@@ -63,18 +48,9 @@ export class Model {
   /** Writes the mesh's points as they are in a frame. */
   moveTo(frame: number): void {
     if (this.frames === undefined) return;
-    this.mesh.points.set(this.frames.at(frame));
-    this.box.setFromArray(this.mesh.points);
-  }
-
-  /** The triangles of the mesh that are parts of those of the file. */
-  shownTriangles(ids: number[]): number[] {
-    if (this.data.parts === undefined) return ids;
-    const ends = increasingIdsOf(this.data.parts);
-    return ids.flatMap((id) => {
-      const first = id === 0 ? 0 : ends[id - 1];
-      return Array.from({ length: ends[id] - first }, (_, i) => first + i);
-    });
+    this.points.set(this.frames.at(frame));
+    this.geometry.attributes.position.needsUpdate = true;
+    this.box.setFromArray(this.points);
   }
 }
 
@@ -104,13 +80,8 @@ export class Part {
     return this.center.clone().applyMatrix4(this.placeAt(frame));
   }
 
-  /** Places the mesh in the picture. */
-  matrixAt(frame: number, inPicture: Frame): Matrix4 {
-    return matrixInFrame(inPicture).multiply(this.placeAt(frame));
-  }
-
   /** Places the mesh in the world. */
-  private placeAt(frame: number): Matrix4 {
+  placeAt(frame: number): Matrix4 {
     return this.poses[this.moves ? frame : 0].clone().multiply(this.model.own);
   }
 }

@@ -3,33 +3,13 @@
 
 /** The tables of a page: one answer in all digits, the models, and how the page was made. */
 
-import { byId, element, fillTable } from '../shared/dom.ts';
-import {
-  grouped,
-  inPage,
-  percent,
-  shown,
-  shownLength,
-  shownPoint,
-  shownTime,
-  unitNote,
-  withUnit,
-} from '../shared/numbers.ts';
+import { byId, element, fillList, fillTable } from '../shared/dom.ts';
+import { grouped, inPage, percent, shown, shownLength, shownPoint, shownTime, withUnit } from '../shared/numbers.ts';
 import { isOfOnePair, meetsIn } from './data.ts';
-import type { Data, ImpactRows } from './data.ts';
+import type { Data } from './data.ts';
 import type { Model } from './models.ts';
-import {
-  clashWords,
-  contactName,
-  impactName,
-  letter,
-  numberedRow,
-  partName,
-  placeOf,
-  shownBounds,
-  shownDistance,
-  shownSize,
-} from './texts.ts';
+import { clashWords, contactName, letter, numberedRow, partName, placeOf } from './texts.ts';
+import { shownBounds, shownDistance } from './texts.ts';
 
 type Cell = string | Node;
 type Line = readonly [string, Cell | null | undefined];
@@ -44,12 +24,15 @@ const statusWords = {
 /** A number in all digits; nothing where there is none. */
 const digits = (number: number | null): string | null => (number === null ? null : String(number));
 
+/** An allowance, which is no line where it is 0. */
+const positive = (number: number): string | null => (number > 0 ? String(number) : null);
+
 /** The answer of a row. */
 export function showAnswer(data: Data, row: number): void {
   const { rows, pair, kind, demo } = data;
-  const title = kind === 'frames' ? 'This frame' : 'Answer';
   const isListed = kind === 'pairs' || kind === 'parts';
   const clash = rows.clash && clashWords[rows.clash[row]];
+  const title = kind === 'frames' ? 'This frame' : 'Answer';
   byId('answer-title').textContent = isListed ? `${numberedRow(data, row)}: ${clash!.toLowerCase()}` : title;
   byId('now-distance').textContent = kind === 'pair' ? '' : shownDistance(data, row);
   const isKept = rows.too_close[row] === false;
@@ -67,8 +50,8 @@ export function showAnswer(data: Data, row: number): void {
     ['Required clearance', digits(data.min_clearance)],
     ['Clearance is', data.min_clearance === null ? null : element('span', isKept ? 'good' : 'bad', verdict)],
     ['Depth, at least', digits(rows.depth[row])],
-    ['Overlap that is tolerated', data.tolerance > 0 ? String(data.tolerance) : null],
-    ['Error of each mesh, in the bounds twice', data.mesh_error > 0 ? String(data.mesh_error) : null],
+    ['Overlap that is tolerated', positive(data.tolerance)],
+    ['Error of each mesh, in the bounds twice', positive(data.mesh_error)],
     ['Accepted by', accepted === null ? null : `line ${accepted} of --accept`],
     ['Pairs of triangles that intersect', pair && meetsIn(data, row) ? grouped(pair.intersections) : null],
     ...witnessLines(data, row),
@@ -76,7 +59,6 @@ export function showAnswer(data: Data, row: number): void {
       const text = `${grouped(count[row])} pairs, ${grouped(intersecting[row])} of them intersect`;
       return [contactName(name), text];
     }),
-    ...data.impacts.map((impact): Line => [impactName(impact.name), shownImpact(impact, row)]),
     ['Query', pair === undefined ? query : `${query}; trees ${shownTime(pair.build_us)}`],
     ['Update', rows.update_us && shownTime(rows.update_us[row])],
     ['Moved vertices', rows.moved_vertices && grouped(rows.moved_vertices[row])],
@@ -108,50 +90,31 @@ function witnessLines(data: Data, row: number): Line[] {
 const shownRough = ({ lower, upper, query_us }: NonNullable<Data['demo']>['rough'], row: number): string =>
   `${shownBounds(lower[row], upper[row])}, in ${shownTime(query_us[row])}`;
 
-/** What is known of the way from the frame before. */
-function shownImpact({ status, lower, touch }: ImpactRows, row: number): string {
-  if (status[row] === null) return 'no frame comes before';
-  const found = touch[row];
-  if (found === null) return 'none on the way to this frame';
-  const [featureA, triangleA, featureB, triangleB] = found;
-  const on = (feature: string | null, triangle: number): string =>
-    `${feature === null ? '' : `${feature} of `}triangle ${triangle}`;
-  const when = `${status[row] === 'contact' ? 'at' : 'already in'} frame ${lower[row]}`;
-  return `${when}: ${on(featureA, triangleA)}, ${on(featureB, triangleB)}`;
-}
-
-/** All models: two next to each other, more in a list; and how precise their pictures are. */
+/** All models in a list, and how precise their pictures are. */
 export function showModels(data: Data, models: readonly Model[]): void {
-  const isPair = data.kind === 'pair';
-  const partCount = (model: Model): string =>
-    grouped(data.parts.model.filter((number) => data.models[number] === model.data).length);
-  const properties: [string, (model: Model, side: number) => Cell | undefined][] = [
-    ['Name', ({ data: { name } }, i) => (isOfOnePair(data) ? element('span', '', letter(i), name) : name)],
-    ['Parts', (model) => (data.kind === 'parts' ? partCount(model) : undefined)],
+  const partCount = (model: Model): number =>
+    data.parts.model.filter((number) => data.models[number] === model.data).length;
+  const columns: [string, (model: Model, side: number) => Cell | undefined][] = [
+    ['Name', ({ data: { name } }, i) => element('span', 'wrapping', ...(isOfOnePair(data) ? [letter(i)] : []), name)],
+    ['Parts', (model) => (data.kind === 'parts' ? grouped(partCount(model)) : undefined)],
     ['Triangles', ({ data }) => grouped(data.triangles)],
     ['Vertices', ({ data }) => grouped(data.vertices)],
     ['Faces', ({ data: { faces } }) => (faces === undefined ? faces : grouped(faces))],
     ['Surface', ({ data: { closed } }) => (closed === undefined ? closed : closed ? 'closed' : 'not closed')],
-    ['Box, low', ({ data: { low } }) => (isPair ? shownPoint(low!) : undefined)],
-    ['Box, high', ({ data: { high } }) => (isPair ? shownPoint(high!) : undefined)],
-    [`Size of its box${unitNote()}`, ({ data }) => data.low && shownSize(data, isPair ? 8 : 5)],
     [
-      'Distance of its surface from the other',
-      (model) =>
-        model.distances &&
-        withUnit(`${shown(Math.min(model.nearest, data.rows.upper[0] ?? Infinity))} to ${shown(model.farthest)}`),
+      'Size of its box',
+      ({ data: { low, high } }) =>
+        low && element('span', 'wrapping', withUnit(high!.map((c, axis) => shown(c - low[axis])).join(' \u00d7 '))),
     ],
     ['Deforms', ({ deforms }) => (data.kind === 'frames' ? (deforms ? 'yes' : 'no') : undefined)],
   ];
-  const told = properties
-    .map(([name, text]) => [name, ...models.map((model, i) => text(model, i))])
-    .filter((line): line is Cell[] => line[1] !== undefined);
-  if (models.length <= 2) fillTable(byId('models'), told);
-  else
-    fillList(
-      'models',
-      told[0].map((_, i) => told.map((line) => line[i])),
-    );
+  const told = columns.filter(([, text]) => text(models[0], 0) !== undefined);
+  const lines = models.map((model, i) => told.map(([, text]) => text(model, i)!));
+  fillList(
+    byId('models'),
+    told.map(([head]) => head),
+    lines,
+  );
   const off = Math.max(...models.map(({ step }) => step)) / 2;
   byId('settings').textContent = [
     ...(data.kind === 'frames' ? [`Engine: ${data.engine}.`] : []),
@@ -162,33 +125,11 @@ export function showModels(data: Data, models: readonly Model[]): void {
   ].join(' ');
 }
 
-/** A table whose first line are its heads. */
-function fillList(id: string, [heads, ...lines]: readonly (readonly Cell[])[]): void {
-  const body = element('tbody');
-  fillTable(body, lines);
-  byId(id).classList.add('list');
-  const cells = heads.map((head) => element('th', '', head));
-  byId(id).append(element('thead', '', element('tr', '', ...cells)), body);
-}
-
-const mostInputsAtOnce = 12;
-
-/** When the page was made, by which version, of which files; and what the terminal has shown at the end. */
-export function showMaking({ version, made_at, command, inputs, demo }: Data): void {
+/** When the page was made, by which version; and what the terminal has shown at the end. */
+export function showMaking({ version, made_at, command, demo }: Data): void {
   byId('version').textContent = `limber ${version} on ${made_at}`;
   const words = command.split(' ').map((word) => element('span', 'word', word));
   byId('command').replaceChildren(...words.flatMap((word) => [' ', word]).slice(1));
-  const part = byId<HTMLDetailsElement>('inputs-part');
-  part.hidden = inputs.length === 0;
-  part.open = inputs.length <= mostInputsAtOnce;
-  byId('inputs-title').textContent =
-    inputs.length === 1 ? 'The file that was read' : `The ${grouped(inputs.length)} files that were read`;
-  const files = inputs.map(({ name, bytes, sha256 }) => [
-    element('span', 'wrapping', name),
-    grouped(bytes),
-    element('span', 'digest', sha256),
-  ]);
-  fillList('inputs', [['Name', 'Bytes', 'SHA-256'], ...files]);
   byId('summary-section').hidden = demo === undefined;
   fillTable(byId('summary'), demo?.summary.map(([name, text]) => [name, inPage(text)]) ?? []);
 }

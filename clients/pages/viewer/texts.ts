@@ -4,20 +4,9 @@
 /** The answers in words: titles, tiles and captions. */
 
 import { byId, element } from '../shared/dom.ts';
-import {
-  counted,
-  grouped,
-  inPage,
-  inUnit,
-  median,
-  percent,
-  shown,
-  shownLength,
-  shownTime,
-  unitNote,
-  withUnit,
-} from '../shared/numbers.ts';
-import { isOfOnePair, meetsIn, touchesIn } from './data.ts';
+import { counted, grouped, inPage, inUnit, median, percent, shown, shownLength } from '../shared/numbers.ts';
+import { shownTime, withUnit } from '../shared/numbers.ts';
+import { isOfOnePair, meetsIn, totalOf } from './data.ts';
 import type { Clash, Data } from './data.ts';
 
 export const clashWords: Record<Clash, string> = {
@@ -79,29 +68,26 @@ export function queryName({ relative_error, absolute_error }: Data): string {
   return allowed.length === 0 ? 'exact' : `within ${allowed.join(' or ')}`;
 }
 
-/** How many rows there are: more than the page has, where they are too many for it. */
-const totalOf = ({ kind, counts, accepted, rows }: Data): number =>
-  kind === 'frames' ? rows.status.length : Object.values(counts).reduce((sum, number) => sum + number, accepted);
+export const contactName = (name: string): string =>
+  ({ contact: 'Contacts', self_a: 'A with itself', self_b: 'B with itself' })[name] ?? name;
 
 /** What the page is called, by whom, and what it is about. */
 export function showTitles(data: Data): void {
   const { kind, title, parts, models, rows, demo } = data;
-  const total = totalOf(data);
-  const rowsText = { pair: '', pairs: counted(total, 'pair'), parts: counted(total, 'pair') };
   const verb = kind !== 'frames' ? 'distance' : demo === undefined ? 'track' : 'demo';
-  const about = kind === 'frames' ? counted(total, 'frame') : rowsText[kind];
-  byId('kind').textContent = `limber ${verb}${about === '' ? '' : `, ${about}`}`;
+  const about = kind === 'pair' ? '' : `, ${counted(totalOf(data), kind === 'frames' ? 'frame' : 'pair')}`;
+  byId('kind').textContent = `limber ${verb}${about}`;
   byId('introduction').hidden = demo === undefined;
   byId('introduction').textContent = inPage(demo?.introduction ?? '');
   const heading = byId(title === '' ? 'title' : 'subtitle');
-  let usual = `${grouped(parts.name.length)} parts`;
+  const pairs = `${counted(rows.a.length, 'pair')} of ${counted(models.length, 'model')}`;
+  let usual = kind === 'pairs' ? pairs : `${grouped(parts.name.length)} parts`;
   if (isOfOnePair(data)) {
     const names = [rows.a[0], rows.b[0]].map((part) => parts.name[part]);
     const spans = names.map((name, i) => element('span', 'model', letter(i), name));
     heading.append(spans[0], element('span', 'joint', ' and '), spans[1]);
     usual = names.join(' and ');
   } else {
-    if (kind === 'pairs') usual = `${counted(rows.a.length, 'pair')} of ${counted(models.length, 'model')}`;
     heading.textContent = usual;
   }
   byId('subtitle').hidden = title === '';
@@ -116,24 +102,17 @@ export const letter = (side: number): HTMLElement => element('span', `letter ${'
 /** What the view shows of a row. While frames are played it stays, as its height would otherwise change. */
 export function captionOf(data: Data, row: number): string {
   const { rows, kind, stride, max_megabytes } = data;
-  const thinned =
-    `Shown is 1 of every ${stride} frames: more would not fit into ${max_megabytes} MB. ` + 'The charts have all.';
   if (kind === 'frames') {
     const all = 'The red segment joins the closest points; where models meet, it is a point.';
-    return stride === 1 ? all : `${all} ${thinned}`;
+    if (stride === 1) return all;
+    const why = `more would not fit into ${max_megabytes} MB`;
+    return `${all} Shown is 1 of every ${stride} frames: ${why}. The charts have all.`;
   }
   const start = kind === 'pair' ? '' : `${numberedRow(data, row)}: ${pairName(data, row)}. `;
   if (rows.witness[row] === null) return `${start}No closest points are known.`;
-  if (meetsIn(data, row)) {
-    const marked = rows.intersecting![row] === null ? '' : ' The triangles that intersect are yellow.';
-    return `${start}The models meet at the red point.${marked}`;
-  }
-  if (kind !== 'pair') return `${start}The red segment joins the closest points.`;
-  const divided = data.models.some(({ parts }) => parts !== undefined);
-  return (
-    'The red segment joins the closest points; their triangles are outlined. ' +
-    `Distances are measured at the vertices${divided ? ' and at points that divide long edges' : ''}.`
-  );
+  if (!meetsIn(data, row)) return `${start}The red segment joins the closest points.`;
+  const marked = rows.intersecting![row] === null ? '' : ' The triangles that intersect are yellow.';
+  return `${start}The models meet at the red point.${marked}`;
 }
 
 /** A number or a verdict, and what it is. */
@@ -157,76 +136,56 @@ function clearanceTiles(data: Data): HTMLElement[] {
   const isOpen = (counts.cannot_tell ?? 0) > 0;
   if (kind === 'pair') {
     const name = `a clearance of ${required} is required`;
-    if (too_close > 0) return [tile('\u2717 Too close', name + missing(data), 'bad')];
+    if (too_close > 0) return [tile('\u2717 Too close', name, 'bad')];
     return [isOpen ? tile('? Cannot tell', name, 'bad') : tile('\u2713 Kept', name, 'good')];
   }
   const [total, rows] = [totalOf(data), kind === 'frames' ? 'frame' : 'pair'];
   if (too_close > 0) {
-    const are = too_close === 1 ? `${rows} is` : `${rows}s are`;
-    const text = `${are} closer than the required ${required}`;
+    const text = `${rows}${too_close === 1 ? ' is' : 's are'} closer than the required ${required}`;
     return [tile(`\u2717 ${grouped(too_close)} of ${grouped(total)}`, text, 'bad')];
   }
   const all = total === 1 ? `the only ${rows}` : `all ${counted(total, rows)}`;
   return isOpen ? [] : [tile('\u2713 Kept', `a clearance of ${required}, in ${all}`, 'good')];
 }
 
-function missing({ min_clearance, rows }: Data): string {
-  const [upper] = rows.upper;
-  if (upper === null || rows.status[0] !== 'exact' || rows.clash![0] === 'hard_clash') return '';
-  return `; ${shownLength(min_clearance! - upper)} are missing`;
-}
-
 function pairTiles(data: Data): HTMLElement[] {
-  const { rows, pair, models } = data;
+  const { rows, pair } = data;
   const [clash] = rows.clash!;
   const [isBad, meets] = [badClashes.includes(clash), meetsIn(data, 0)];
-  const tiles = isBad || meets ? [tile(clashWords[clash], placeOf(data, 0), isBad ? 'bad' : '')] : [];
-  if (rows.depth[0] !== null) tiles.push(tile(shownLength(rows.depth[0]), 'deep at least', isBad ? 'bad' : ''));
-  if (meets) tiles.push(tile(grouped(pair!.intersections), 'pairs of triangles intersect'));
-  else {
-    const ofWhat = `${isBad ? 'between surfaces' : 'clearance'} of the ${data.mesh_error > 0 ? 'parts' : 'meshes'}`;
-    tiles.push(tile(capital(withUnit(shownBounds(rows.lower[0], rows.upper[0]))), ofWhat + unitNote()));
-  }
-  return [...tiles, ...models.map((m, i) => tile(grouped(m.triangles), `triangles of ${'AB'[i]}, ${shownSize(m, 4)}`))];
+  const look = isBad ? 'bad' : '';
+  const tiles = isBad || meets ? [tile(clashWords[clash], placeOf(data, 0), look)] : [];
+  if (rows.depth[0] !== null) tiles.push(tile(shownLength(rows.depth[0]), 'deep at least', look));
+  if (meets) return [...tiles, tile(grouped(pair!.intersections), 'pairs of triangles intersect')];
+  const ofWhat = `${isBad ? 'between surfaces' : 'clearance'} of the ${data.mesh_error > 0 ? 'parts' : 'meshes'}`;
+  return [...tiles, tile(capital(withUnit(shownBounds(rows.lower[0], rows.upper[0]))), ofWhat)];
 }
-
-/** The size of a model's box. */
-export const shownSize = ({ low, high }: Data['models'][number], digits: number): string =>
-  withUnit(high!.map((c, axis) => shown(c - low![axis], digits)).join(' \u00d7 '));
 
 /** The worst, and what kinds there are. */
 function manyTiles(data: Data): HTMLElement[] {
   const { rows, counts, accepted, worst_first } = data;
   const [worst] = worst_first;
+  const clash = rows.clash![worst];
   const named: readonly Clash[] = [...badClashes, 'touching'];
   const deep = rows.depth[worst] === null ? '' : `, ${shownDistance(data, worst)}`;
-  const isNamed = named.includes(rows.clash![worst]);
-  const word = isNamed ? clashWords[rows.clash![worst]] : capital(shownDistance(data, worst));
+  const word = named.includes(clash) ? clashWords[clash] : capital(shownDistance(data, worst));
   const names = isOfOnePair(data) ? '' : `, ${pairName(data, worst)}`;
   const where = `the worst: ${numberedRow(data, worst).toLowerCase()}${names}${deep}`;
-  const kinds = named.filter((clash) => (counts[clash] ?? 0) > 0);
+  const kinds = named.filter((kind) => (counts[kind] ?? 0) > 0);
+  const pairs = (count: number): string => (count === 1 ? 'pair' : 'pairs');
+  const ofKinds = kinds.map((kind) => {
+    const text = `${pairs(counts[kind]!)}: ${clashWords[kind].toLowerCase()}`;
+    return tile(grouped(counts[kind]!), text, kind === 'touching' ? '' : 'bad');
+  });
   return [
     tile(word, where, isBad(data, worst) ? 'bad' : ''),
-    ...(kinds.length === 0 ? [tile('None', 'of the pairs meet', 'good')] : []),
-    ...kinds.map((clash) =>
-      tile(grouped(counts[clash]!), plural(clash, counts[clash]!), clash === 'touching' ? '' : 'bad'),
-    ),
-    ...(accepted > 0 ? [tile(grouped(accepted), accepted === 1 ? 'pair is accepted' : 'pairs are accepted')] : []),
+    ...(kinds.length === 0 ? [tile('None', 'of the pairs meet', 'good')] : ofKinds),
+    ...(accepted > 0 ? [tile(grouped(accepted), `${pairs(accepted)}: accepted`)] : []),
   ];
 }
 
-const plural = (clash: Clash, count: number): string => {
-  const [one, many] = {
-    hard_clash: ['hard clash', 'hard clashes'],
-    cannot_tell: ['pair of which the meshes cannot tell', 'pairs of which the meshes cannot tell'],
-    surfaces_meet: ['pair of surfaces meets, not all closed', 'pairs of surfaces meet, not all closed'],
-  }[clash as string] ?? ['pair touches', 'pairs touch'];
-  return count === 1 ? one : many;
-};
-
-/** The nearest, contacts, impacts and times. */
+/** The nearest, contacts and times. */
 function frameTiles(data: Data): HTMLElement[] {
-  const { rows, impacts, demo } = data;
+  const { rows, demo } = data;
   const tiles = [];
   const contacts = rows.status.filter((status) => status === 'collision').length;
   const uppers = rows.upper.map((upper) => upper ?? Infinity);
@@ -246,10 +205,6 @@ function frameTiles(data: Data): HTMLElement[] {
     const place = `the deepest, in frame ${grouped(rows.depth.indexOf(deepest))}`;
     tiles.push(tile(`${shownLength(deepest)} deep`, place, 'bad'));
   }
-  for (const { name, status, lower } of impacts) {
-    const row = status.indexOf('contact');
-    if (row >= 0) tiles.push(tile(shown(lower[row]!), `frame of the first impact: ${impactName(name)}`, 'bad'));
-  }
   const updates = rows.update_us!.filter((us) => us > 0);
   if (updates.length > 0) tiles.push(tile(shownTime(median(updates)), 'median update of the trees'));
   const query = 'median distance query,';
@@ -259,12 +214,6 @@ function frameTiles(data: Data): HTMLElement[] {
   return [...tiles, tile(shownTime(median(query_us)), `${query} within ${percent(relative_error)}`)];
 }
 
-export const impactName = (name: string): string =>
-  ({ impact_self_a: 'A meets itself', impact_self_b: 'B meets itself' })[name] ?? 'A meets B';
-
-export const contactName = (name: string): string =>
-  ({ contact: 'Contacts', self_a: 'A with itself', self_b: 'B with itself' })[name] ?? name;
-
 const isBad = ({ rows }: Data, row: number): boolean =>
   rows.accepted![row] === null && (rows.too_close[row] ?? badClashes.includes(rows.clash![row]));
 
@@ -273,9 +222,8 @@ export function verdictOf(data: Data, row: number): { kind: string; text: HTMLEl
   const { clash, accepted, too_close } = data.rows;
   if (clash === undefined) {
     const isKept = too_close[row] !== true;
-    const kind = isKept ? 'Kept' : touchesIn(data, row) ? 'Contact' : 'Too close';
-    const isOnTheWay = kind === 'Contact' && !meetsIn(data, row);
-    return { kind, text: element('span', isKept ? 'good' : 'bad', isOnTheWay ? 'Contact on the way' : kind) };
+    const kind = isKept ? 'Kept' : meetsIn(data, row) ? 'Contact' : 'Too close';
+    return { kind, text: element('span', isKept ? 'good' : 'bad', kind) };
   }
   const isAccepted = accepted![row] !== null;
   const look = isBad(data, row) ? 'bad' : isAccepted || data.min_clearance === null ? '' : 'good';

@@ -20,7 +20,7 @@ extern const std::string_view viewer_template;
 
 /// What the data consist of. The page says which it reads, in clients/pages/build.mjs; both are raised when what
 /// clients/pages/viewer/data.ts names changes.
-inline constexpr int page_format = 2;
+inline constexpr int page_format = 3;
 
 /// `--report`: where to, and what the page says about itself and its making.
 struct ReportArguments {

@@ -49,8 +49,7 @@ class Study {
   std::size_t triangle_bytes_ = 0;            // of the triangles that intersect
 };
 
-/// All that the page about one pair shows: the answer, both meshes as placed, the distance of each from the other over
-/// its surface, and the triangles that intersect.
+/// All that the page about one pair shows: the answer, both meshes, and the triangles that intersect.
 Json distance_report(const PlacedArguments& arguments, const Pair& pair, const DistanceQuestion& question,
                      const DistanceAnswer& answer);
 
