@@ -61,8 +61,8 @@ std::uint64_t hash_of_edge(VertexId v, VertexId w) {
 ///
 /// Based on  the boundary of a chain of triangles: the sum of their directed edges, in which opposite ones cancel.
 /// Differs   Edges are replaced by 64-bit hashes, so that the sum is a number: 0 if the boundary is, and otherwise as
-///           good as random. A table of edges would tell for certain, at many times the cost of all else that a new mesh
-///           has checked.
+///           good as random. A table of edges would tell for certain, at many times the cost of all else that is
+///           checked of a new mesh.
 bool has_no_boundary(std::span<const Corners> triangles) {
   std::uint64_t sum = 0;
   for (const Corners& c : triangles) {
