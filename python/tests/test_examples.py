@@ -121,19 +121,6 @@ def test_the_sheet_has_the_contacts_of_brute_force(monkeypatch: pytest.MonkeyPat
         assert ((one < two) & is_far[one, two]).sum() == found.self_contacts[i]
 
 
-def test_managers_agree_on_the_scene_of_trimesh(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    pytest.importorskip("fcl")
-    scenes = example("trimesh_scene", monkeypatch)
-    answers = scenes.main(["--parts", "25", "--steps", "20"])
-    assert "trimesh.collision.CollisionManager: " in capsys.readouterr().out
-    assert len(answers.colliding) > 2
-    worse = answers._replace(clearance=answers.clearance + 1e-5)
-    assert scenes.same(answers, answers) and not scenes.same(answers, worse)
-    assert not scenes.same(answers, answers._replace(touched=answers.touched[::-1]))
-
-
 def test_mujoco_has_the_contacts_of_limber(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("mujoco")
     flex = example("mujoco_flex", monkeypatch)

@@ -67,26 +67,6 @@ TEST(ContactLists, OfANeedleThroughACubeAreWhereItEntersAndLeaves) {
   }
 }
 
-// Coal #755: with a security margin of 1, boxes whose gap is smaller do not collide. Coal #625: the manager of the
-// broad phase forgets the margin.
-TEST(ContactLists, WithAMarginHoldAllPairsUpToIt) {
-  const Model cube(box({0.5, 0.5, 0.5}));
-  for (const double gap : {0.25, 0.7, 0.9999, 1.0, 1.0001, 1.5}) {
-    const Placed a{cube}, b{cube, at(0, 0, 1 + gap)};
-    const double exact_gap = b.pose.translation.z - 1;
-    EXPECT_EQ(within(a, b, 1).is_yes(), exact_gap <= 1) << gap;
-    EXPECT_EQ(contacts(a, b, 1, {}).count > 0, exact_gap <= 1) << gap;
-    EXPECT_EQ(distance(a, b, {.max_distance = 1}).status == DistanceStatus::exact, exact_gap <= 1) << gap;
-    expect_pairs_of_brute_force(a, b, 1);
-    limber::Scene scene;
-    for (const Placed& object : {a, b}) static_cast<void>(scene.add(object));
-    scene.commit();
-    if (exact_gap <= 1) {
-      EXPECT_EQ(scene.candidate_pairs(1, {}).count, 1U) << gap;
-    }
-  }
-}
-
 // FCL #493, #495, #402, #319, #445, Drake #21673: GJK has boxes touch, EPA has them apart, and the query throws.
 // trimesh #284: a collision and a distance above 0.
 // The boxes go through contact step by step, down to the last bit of a coordinate; exact arithmetic knows the answer.
@@ -122,29 +102,6 @@ TEST(ContactLists, LeaveOutTrianglesThatOnlyLieBehindEachOther) {
     const Model behind(triangles_of({{{0, 0, shift}, {1, 0, 1 + shift}, {1, 1, 1 + shift}}}));
     EXPECT_NEAR(agreed_distance({front}, {behind}, 0x1p-50), shift * std::sqrt(0.5), 0x1p-50);
   }
-}
-
-// Jolt #1016: a vertex of a soft body collides with one body at most.
-TEST(ContactLists, HaveOneVertexWithAsManyFacesAsAreNear) {
-  std::vector<Triangle> walls;
-  for (int i = 0; i < 40; ++i) {  // the tangential planes of a small ball around the vertex
-    scenes::Rng rng(static_cast<std::uint64_t>(i));
-    const Mat3 r = scenes::random_rotation(rng);
-    const Vec3 m = 0.01 * r.row0;
-    walls.push_back({m + r.row1, m - 0.5 * r.row1 + r.row2, m - 0.5 * r.row1 - r.row2});
-  }
-  const Model around(triangles_of(walls)), body(triangles_of({{{0, 0, 0}, {0, 0, 50}, {0, 1, 50}}}));
-  std::set<TriangleId> faces;
-  visit_element_pairs(
-      {around}, {body}, 0.011,
-      [&](const VertexFacePair& p) {
-        if (!p.is_vertex_of_b || p.vertex != 0) return true;
-        EXPECT_NEAR(p.distance, 0.01, 1e-15);
-        faces.insert(p.triangle);
-        return true;
-      },
-      [](const EdgeEdgePair&) { return true; });
-  EXPECT_EQ(faces.size(), walls.size());
 }
 
 }  // namespace

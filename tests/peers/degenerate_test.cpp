@@ -54,37 +54,6 @@ TEST(DegenerateTriangles, HaveExactDistancesAndFiniteAnswers) {
   }
 }
 
-// libigl #226: an assertion about leaves fails, and answers are wrong; #905: one about edges without length fails.
-// trimesh #741: the search near a triangle without size throws.
-TEST(DegenerateTriangles, MakeTreesThatAnswerEveryQuery) {
-  scenes::Rng rng(226);
-  for (const std::size_t count : {1U, 2U, 3U, 8U, 9U, 64U, 65U, 200U}) {
-    for (const int kind : {0, 1, 2}) {
-      std::vector<Triangle> triangles;
-      for (std::size_t i = 0; i < count; ++i) {
-        triangles.push_back(kind == 0   ? Triangle{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}  // one point, again and again
-                            : kind == 1 ? Triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}
-                                        : degenerate(rng));
-      }
-      const Model model(triangles_of(triangles)), probe(box({0.25, 0.25, 0.25}));
-      ASSERT_TRUE(static_cast<bool>(model.validate()));
-      for (const Vec3& p : {Vec3{1, 2, 3}, Vec3{0.25, 0.25, 0}, Vec3{-3, 0.5, 1.5}, Vec3{0, 0, 1e-300}}) {
-        const PointResult found = closest_point({model}, p);
-        const PointResult truth = reference::closest_point({model.mesh()}, p);
-        EXPECT_EQ(found.closest->distance, truth.closest->distance);
-        EXPECT_EQ(found.closest->position, truth.closest->position);
-      }
-      agreed_distance({model}, {probe, at(0.1, 0.1, 0.1)}, 1e-13);
-      agreed_distance({model}, {probe, at(5, 5, 5)}, 1e-13);
-      EXPECT_EQ(self_intersections(model, {}).count, reference::self_intersections(model.mesh()).size());
-      const ElementPairCount elements = self_element_pairs(model, 0.5, {}, {});
-      const reference::ElementPairs truth = reference::self_element_pairs(model.mesh(), 0.5);
-      EXPECT_EQ(elements.vertex_face, truth.vertex_face.size());
-      EXPECT_EQ(elements.edge_edge, truth.edge_edge.size());
-    }
-  }
-}
-
 // Parry #76: 0 for a point that is 0.171 away from a triangle without area. Parry #310, PR #358: no number for
 // collinear corners. JOML #119: points that are not on the triangle.
 TEST(DegenerateTriangles, OfTwoCornersAreTheSegmentBetweenThem) {

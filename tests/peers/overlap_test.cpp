@@ -4,55 +4,9 @@
 // Bodies that overlap, touch or contain each other: cases from reports about other libraries, which answered wrongly.
 #include "limber/points.h"
 #include "peers.h"
-#include "support/rational_distance.h"
 
 namespace limber::testing {
 namespace {
-
-Rational exact_dot(const Vec3& a, const Vec3& b) { return dot(rational(a), rational(b)); }
-
-/// How far the triangles overlap along a direction: how far b has to move along it to be in front of a.
-Rational exact_overlap(const Triangle& a, const Triangle& b, const Vec3& direction) {
-  Rational highest = exact_dot(a.v0, direction), lowest = exact_dot(b.v0, direction);
-  for (std::size_t i = 1; i < 3; ++i) {
-    highest = std::max(highest, exact_dot(a[i], direction)), lowest = std::min(lowest, exact_dot(b[i], direction));
-  }
-  return highest - lowest;
-}
-
-/// The least overlap of two triangles along the normals of faces and the common perpendiculars of edges.
-double least_overlap(const Triangle& a, const Triangle& b) {
-  std::vector<Vec3> axes{cross(a.v1 - a.v0, a.v2 - a.v0), cross(b.v1 - b.v0, b.v2 - b.v0)};
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) axes.push_back(cross(a[(i + 1) % 3] - a[i], b[(j + 1) % 3] - b[j]));
-  }
-  double least = HUGE_VAL;
-  for (const Vec3& axis : axes) {
-    if (length(axis) < 1e-9) continue;
-    for (const double sign : {1.0, -1.0}) {
-      least = std::min(least, exact_overlap(a, b, sign * axis).get_d() / length(axis));
-    }
-  }
-  return least;
-}
-
-/// Moving b by the depth parts the pair, in exact arithmetic, and no shorter way along a normal or a perpendicular of
-/// edges does.
-void expect_depths_part_pairs(const Placed& a, const Placed& b, double tolerance) {
-  const std::vector<Contact> found = all_contacts(a, b, 0);
-  EXPECT_FALSE(found.empty());
-  for (const Contact& c : found) {
-    const Triangle t = placed_triangle(a, c.triangle_a), u = placed_triangle(b, c.triangle_b);
-    EXPECT_EQ(c.distance, 0);
-    EXPECT_NEAR(length(c.normal), 1, 1e-15);
-    EXPECT_LE(c.depth, least_overlap(t, u) + tolerance);
-    // The normal of a closed mesh is the way out of the body, not the shortest way for the triangles.
-    const TriangleContact plain = contact(t, u);
-    EXPECT_NEAR(c.depth, plain.depth, tolerance);
-    const Rational moved = (Rational(plain.depth) + Rational(0x1p-900)) * exact_dot(plain.normal, plain.normal);
-    EXPECT_LE(exact_overlap(t, u, plain.normal), moved);
-  }
-}
 
 // FCL #491: the distance of overlapping meshes stays 0 although a signed one was asked for.
 TEST(Overlap, IsDistanceZeroWithAStatusOfItsOwnAndOneSharedPoint) {
@@ -64,31 +18,6 @@ TEST(Overlap, IsDistanceZeroWithAStatusOfItsOwnAndOneSharedPoint) {
         << depth;
     EXPECT_EQ(distance(here, there, {.max_distance = 0}).status, DistanceStatus::collision) << depth;
   }
-  // No error that is asked for hides a contact, however few triangles meet.
-  const Model ring(scenes::ring(24, 12, 0.3));
-  scenes::Rng rng(491);
-  std::size_t meeting = 0;
-  for (int i = 0; i < 400; ++i) {
-    const Placed there{ring, random_pose(rng, 1.5)};
-    if (!collide({ring}, there).is_yes()) continue;
-    ++meeting;
-    for (const double error : {0.01, 0.3, 5.0}) {
-      EXPECT_EQ(distance({ring}, there, {.relative_error = error}).upper, 0) << i;
-      EXPECT_EQ(distance({ring}, there, {.absolute_error = error}).upper, 0) << i;
-    }
-  }
-  EXPECT_GT(meeting, 100U);
-}
-
-// FCL #221, #574, #575, #245, exotica #364: the penetration depth of meshes is always 0 or odd. Coal #357: it is
-// inconsistent. Jolt #529: the axis along which a shape should leave a mesh is unreliable, the more the deeper it is.
-TEST(Overlap, HasADepthForEachPairOfTrianglesThatPartsThem) {
-  const Model cube(box({1, 1, 1})), ball(scenes::ball(12, 8)), floor(scenes::grid(5, 5, -2.5, -2.5, 1, 1));
-  const Transform turned = transform_from_quaternion({1.3, 0.4, 0.2}, 0.9, 0.1, -0.3, 0.2).value();
-  expect_depths_part_pairs({cube}, {cube, turned}, 1e-12);
-  expect_depths_part_pairs({cube, turned}, {ball}, 1e-12);
-  for (const double depth : {1e-9, 0.01, 0.3, 0.9})
-    expect_depths_part_pairs({floor}, {ball, at(0.1, 0.2, 1 - depth)}, 1e-12);
 }
 
 // FCL #503: two cubes that share a face get depths of the size of the cubes.

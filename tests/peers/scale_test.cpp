@@ -10,21 +10,6 @@
 namespace limber::testing {
 namespace {
 
-// three-mesh-bvh #386: the distance of two balls is right for 8 by 4 and 16 by 8 squares, and wrong for 32 by 16.
-// three-mesh-bvh PR #264: it was wrong, and became right and twelve times faster.
-TEST(ScaleAndPlace, DistanceOfBallsIsRightHoweverFineTheyAre) {
-  for (const std::uint32_t n : {4U, 8U, 16U, 32U, 64U}) {
-    const Model ball(scenes::ball(2 * n, n));
-    const DistanceResult found = distance({ball}, {ball, at(3)});
-    EXPECT_NEAR(found.upper, 1, 1e-15) << n;
-    expect_witness({ball}, {ball, at(3)}, found.witness.value(), 1, 1e-14);
-    const std::size_t pairs = ball.mesh().triangles().size() * ball.mesh().triangles().size();
-    if (n >= 16) {
-      EXPECT_LT(found.stats.primitive_tests, pairs / 100) << n;
-    }
-  }
-}
-
 // svenstaro/bvh #159, toolbox-rs #580: the shape with the nearest box, or corner of a box, is taken for the nearest
 // shape. Unity hair #98: a point inside a box counts as far from it.
 TEST(ScaleAndPlace, NearestTriangleIsNotTheOneWithTheNearestBox) {
@@ -65,51 +50,6 @@ TEST(ScaleAndPlace, HugeTrianglesAreAsNearAsTheirPointsAre) {
     EXPECT_FALSE(collide({floor}, {tool, at(0.6, 0.5, 1.0000001)}).is_yes());
     EXPECT_TRUE(collide({floor}, {tool, at(0.6, 0.5, 0.9999999)}).is_yes());
   }
-}
-
-// Jolt PR #1825, #655: the closest triangle of a scaled shape is the one of the shape as it was.
-TEST(ScaleAndPlace, ScaledBodiesAreMeasuredAsTheyAre) {
-  scenes::Rng rng(1825);
-  const Mesh ball = scenes::ball(12, 8);
-  Model moved(ball);
-  for (const Vec3& scale : {Vec3{1, 1, 8}, Vec3{0.01, 3, 1}, Vec3{100, 100, 0.001}, Vec3{1e-6, 1e-6, 1e-6}}) {
-    const Model scaled(stretched(ball, scale));
-    moved.move_all(scaled.mesh().positions()).value();
-    moved.commit();
-    for (int i = 0; i < 100; ++i) {
-      const Vec3 p = random_point(rng, 2);
-      const Vec3 q{p.x * scale.x, p.y * scale.y, p.z * scale.z};
-      const SurfacePoint truth = reference::closest_point({scaled.mesh()}, q).closest.value();
-      for (const Model* model : std::initializer_list<const Model*>{&scaled, &moved}) {
-        const SurfacePoint found = closest_point({*model}, q).closest.value();
-        EXPECT_EQ(found.triangle, truth.triangle);
-        EXPECT_EQ(found.position, truth.position);
-      }
-    }
-  }
-}
-
-// PhysX-3.4 #140, PlayCanvas #4521, Galacean #1826: a mesh that is scaled by a negative factor lets bodies through.
-TEST(ScaleAndPlace, MirroredMeshesAnswerAsTheirMirrorImages) {
-  std::vector<Triangle> steps;
-  for (int i = 0; i < 6; ++i) {
-    const double x = i, z = -0.5 * i;
-    steps.push_back({{x, -2, z}, {x + 1, -2, z}, {x + 1, 2, z}}),
-        steps.push_back({{x, -2, z}, {x + 1, 2, z}, {x, 2, z}});
-    steps.push_back({{x + 1, -2, z}, {x + 1, -2, z - 0.5}, {x + 1, 2, z}});
-    steps.push_back({{x + 1, -2, z - 0.5}, {x + 1, 2, z - 0.5}, {x + 1, 2, z}});
-  }
-  const Model stairs(triangles_of(steps)), mirrored(stretched(stairs.mesh(), {-1, 1, 1}));
-  const Model ball(stretched(scenes::ball(12, 8), {0.3, 0.3, 0.3}));
-  for (int i = 0; i < 60; ++i) {
-    const double x = 0.1 * i, z = 0.29 - 0.05 * i;
-    const double there = agreed_distance({stairs}, {ball, at(x, 0.2, z)}, 1e-14);
-    // The ball has the yz plane as a plane of symmetry.
-    EXPECT_NEAR(agreed_distance({mirrored}, {ball, at(-x, 0.2, z)}, 1e-14), there, 1e-14);
-  }
-  Transform reflection;
-  reflection.rotation.row0 = {-1, 0, 0};
-  EXPECT_THROW(static_cast<void>(distance({stairs, reflection}, {ball})), std::invalid_argument);
 }
 
 // IPC Toolkit PR #225: an absolute threshold takes nearly collinear edges for parallel ones at a distance of 0.

@@ -114,32 +114,5 @@ TEST(Updates, FollowABodyThroughManyFramesWithoutRebuildingItAll) {
   EXPECT_LE(body.maintenance_stats().refits, 30 * body.tree_stats().nodes);
 }
 
-// three-mesh-bvh #447, #330: a mesh is moved, and queries know only where it was. #547, #403, #409, #826: it is bent by
-// bones, and they know its pose at rest.
-TEST(Updates, AndPosesReachEveryQuery) {
-  const Mesh rest = stretched(scenes::ball(16, 24), {0.2, 0.2, 2});
-  const Model target(box({0.1, 0.1, 0.1}));
-  Model arm(rest);
-  for (int step = 0; step <= 12; ++step) {
-    const double angle = 0.2 * step;
-    const auto bent = [&](const Vec3& p) {  // a bone from 0 to 2 along z turns around the x axis
-      const double w = p.z <= 0 ? 0 : std::min(1.0, p.z), c = scenes::cosine(w * angle), s = scenes::sine(w * angle);
-      return Vec3{p.x, c * p.y - s * p.z, s * p.y + c * p.z};
-    };
-    deform(arm, rest, bent);
-    const Vec3 tip = bent({0, 0, 2});
-    EXPECT_LE(closest_point({arm}, tip).closest->distance, 1e-15) << step;
-    EXPECT_TRUE(collide({arm}, {target, {{}, tip}}).is_yes()) << step;
-    scenes::Rng rng(447);
-    const Transform pose = random_pose(rng, 10);
-    EXPECT_LE(closest_point({arm, pose}, pose(tip)).closest->distance, 1e-14) << step;
-    EXPECT_TRUE(collide({arm, pose}, {target, {{}, pose(tip)}}).is_yes()) << step;
-    if (step >= 4) {
-      EXPECT_FALSE(collide({arm}, {target, at(0, 0, 2)}).is_yes()) << step;
-    }
-    agreed_distance({arm, pose}, {target, pose * at(0, -1.5, 1)}, 1e-13);
-  }
-}
-
 }  // namespace
 }  // namespace limber::testing

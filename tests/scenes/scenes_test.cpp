@@ -74,13 +74,6 @@ TEST(Scenes, TwoHundredDentsGiveTheKnownSheet) {
   EXPECT_EQ(hash(sheet), 0xba587062faec7597U);
 }
 
-TEST(Scenes, BallIsClosedAndOnTheUnitSphere) {
-  const Mesh mesh = ball(8, 5);
-  EXPECT_EQ(mesh.triangles().size(), 2U * 8 * (5 - 1));
-  for (const Vec3& p : mesh.positions()) EXPECT_NEAR(length(p), 1, 4e-16);
-  expect_sound(mesh);
-}
-
 TEST(Scenes, RingIsClosedAndOnItsTube) {
   const Mesh mesh = ring(7, 5, 0.25);
   EXPECT_EQ(mesh.triangles().size(), 2U * 7 * 5);
@@ -101,23 +94,6 @@ TEST(Scenes, RngGivesTheSplitmixSequence) {
   EXPECT_EQ(rng.next(), 6457827717110365317U);
   EXPECT_EQ(rng.next(), 3203168211198807973U);
   EXPECT_EQ(rng.next(), 9817491932198370423U);
-}
-
-TEST(Dents, MoveExactlyTheVerticesWithinTheRadiusInProportion) {
-  const Mesh sheet = grid(10, 10, 0, 0, 1, 1);
-  const Dent dent{.x = 5, .y = 5, .radius = 2, .slope = -0.25};
-  const VertexMoves moves = dent_moves(dent, sheet.positions());
-  EXPECT_EQ(moves.ids.size(), 13U);  // lattice points within 2, the four at exactly 2 included
-  EXPECT_TRUE(std::is_sorted(moves.ids.begin(), moves.ids.end()));
-  const Mesh dented = moved(sheet, moves);
-  for (std::size_t v = 0; v < sheet.positions().size(); ++v) {
-    const Vec3& before = sheet.positions()[v];
-    const double distance = std::hypot(before.x - 5, before.y - 5);
-    const double shift = distance <= 2 ? -0.25 * distance : 0;
-    EXPECT_NEAR(dented.positions()[v].z, before.z + shift, 1e-15);
-    EXPECT_EQ(dented.positions()[v].x, before.x);
-    EXPECT_EQ(dented.positions()[v].y, before.y);
-  }
 }
 
 TEST(Soups, LatticeCoordinatesAreSmallIntegers) {
@@ -236,32 +212,6 @@ TEST(Planning, DetailMultipliesTheTriangles) {
     EXPECT_LT(times, 12) << known.name;
     EXPECT_TRUE(large.is_closed()) << known.name;
   }
-}
-
-TEST(Planning, AlphaTubesAreOfThinTriangles) {
-  for (const auto& [detail, sides] : {std::pair{1, 42U}, std::pair{10, 133U}}) {
-    const Mesh tube = alpha_puzzle(detail).robot;
-    const std::size_t caps = 2 * (sides - 2);  // the last triangles
-    double least = std::numeric_limits<double>::infinity();
-    for (TriangleId t = 0; t < tube.triangles().size() - caps; ++t) {
-      const Triangle c = tube.triangle(t);
-      const double edge_sq = std::max({length_sq(c.v1 - c.v0), length_sq(c.v2 - c.v1), length_sq(c.v0 - c.v2)});
-      least = std::min(least, edge_sq / (2 * area(c)));  // the longest edge over the height on it
-    }
-    EXPECT_GT(least, 20) << detail;
-  }
-}
-
-TEST(Planning, BugFitsThroughTheNeckOfItsTrap) {
-  const auto [trap, bug] = bug_trap();
-  const auto from_axis = [](const Vec3& p) { return p.x * p.x + p.y * p.y; };
-  double neck_sq = 1, bug_sq = 0;
-  for (const Vec3& p : trap.positions()) {
-    if (p.z >= 0 && p.z < 0.8) neck_sq = std::min(neck_sq, from_axis(p));
-  }
-  for (const Vec3& p : bug.positions()) bug_sq = std::max(bug_sq, from_axis(p));
-  EXPECT_NEAR(neck_sq, 0.2 * 0.2, 1e-12);
-  EXPECT_LT(bug_sq, 0.16 * 0.16);
 }
 
 TEST(Surfaces, HaveTheVolumesOfTheirSolids) {

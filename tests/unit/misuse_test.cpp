@@ -20,7 +20,7 @@
 namespace limber::testing {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 struct Misuse : ::testing::Test {
@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, Transform>> bad_poses() {
       {"third row turned", {{{1, 0, 0}, {0, 1, 0}, {0, 1, 0}}, {}}},
       {"translation too large", {{}, {0, 0x1p201, 0}}},
   };
-  for (const double bad : {not_a_number, infinite, -infinite}) {
+  for (const double bad : {not_a_number, unbounded, -unbounded}) {
     for (std::size_t i = 0; i < 12; ++i) {
       Transform pose;
       Vec3* const rows[] = {&pose.rotation.row0, &pose.rotation.row1, &pose.rotation.row2, &pose.translation};
@@ -62,15 +62,15 @@ TEST_F(Misuse, OfPosesIsRefused) {
 
 TEST_F(Misuse, OfOptionsIsRefused) {
   const auto ask = [&](const DistanceOptions& options) { return distance({a}, {b}, options); };
-  for (const double bad : {not_a_number, -1.0, -0x1p-1074, infinite, -infinite}) {
+  for (const double bad : {not_a_number, -1.0, -0x1p-1074, unbounded, -unbounded}) {
     EXPECT_THROW(static_cast<void>(ask({.relative_error = bad})), std::invalid_argument) << bad;
     EXPECT_THROW(static_cast<void>(ask({.absolute_error = bad})), std::invalid_argument) << bad;
     EXPECT_THROW(static_cast<void>(within({a}, {b}, bad)), std::invalid_argument) << bad;
-    if (bad != infinite) {
+    if (bad != unbounded) {
       EXPECT_THROW(static_cast<void>(ask({.max_distance = bad})), std::invalid_argument) << bad;
     }
   }
-  EXPECT_NO_THROW(static_cast<void>(ask({.max_distance = infinite})));
+  EXPECT_NO_THROW(static_cast<void>(ask({.max_distance = unbounded})));
   EXPECT_NO_THROW(static_cast<void>(ask({.relative_error = -0.0, .absolute_error = -0.0, .max_distance = -0.0})));
 }
 
@@ -93,7 +93,7 @@ TEST_F(Misuse, ByQueriesOfUncommittedModelsIsRefused) {
 TEST(MisuseOfGeometry, NumbersOutOfRangeAreRefused) {
   const Triangle good{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Segment edge{{0, 0, 0}, {1, 0, 0}};
-  for (const double bad : {not_a_number, infinite, -infinite, 0x1p201}) {
+  for (const double bad : {not_a_number, unbounded, -unbounded, 0x1p201}) {
     const Vec3 point{0, bad, 0};
     const Triangle triangle{{0, 0, 0}, point, {1, 0, 0}};
     EXPECT_THROW(static_cast<void>(closest_points(good, triangle)), std::invalid_argument);

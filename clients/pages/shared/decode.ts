@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /**
- * Reads back what the program has written: meshes and numbers of reports/page_data.cpp, frames of a sequence of
- * formats/position_frames.cpp.
+ * Reads back what reports/page_data.cpp of the program has written: meshes and numbers, frames of a sequence.
  */
 
 import { Matrix4 } from 'three';
@@ -39,7 +38,7 @@ export function increasingIdsOf(base64: string): number[] {
   return countsOf(base64).map((difference) => (id += difference));
 }
 
-/** Three coordinates for each point, above the lowest ones and divided by `unit`, so that float32 resolves them well. */
+/** Three coordinates for each point, above the lowest ones and divided by `unit`, which float32 resolves well. */
 export function pointsOf({ step, data }: QuantizedPoints, unit: number): Float32Array {
   const axes = data.map(bytesOf);
   return Float32Array.from({ length: axes[0].length }, (_, i) => {

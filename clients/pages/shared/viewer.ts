@@ -11,7 +11,7 @@ import type { Object3D } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { element } from './dom.ts';
 
-/** From the world to what views draw: a box whose diagonal becomes 1, around the origin, so that float32 resolves it. */
+/** From the world to what views draw: a box whose diagonal becomes 1, around the origin, which float32 resolves. */
 export function frameOf(box: Box3): Matrix4 {
   const size = Math.hypot(...box.getSize(new Vector3()));
   const factor = size > 0 ? 1 / size : 1;

@@ -247,6 +247,12 @@ test('a study without pairs says so, and accepted pairs are counted apart', asyn
   });
 });
 
+test('a page names its version and its time', () =>
+  session.show('close', async (page) => {
+    const { version, made_at } = data.close;
+    assert.equal(await page.textContent('#version'), `limber ${version} on ${made_at}`);
+  }));
+
 test('on paper, pages are light, true to scale, and without what nobody can press', () =>
   session.show('poses', { scheme: 'dark' }, async (page) => {
     await page.emulateMedia({ media: 'print' });
