@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pair/bucket_queue.h"
+#include "pair/node_pair.h"
 
 #include <gtest/gtest.h>
 

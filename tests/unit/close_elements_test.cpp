@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "geometry/primitives.h"
-#include "pair/frames.h"
 #include "pair/placed_pair.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Where one model is flat, the closest triangles are guessed.
-#include "pair/likely_pair.h"
 #include "limber/distance.h"
+#include "pair/traversal_state.h"
 
 #include <gtest/gtest.h>
 

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "bvh/rebuild.h"
 #include "bvh/tree.h"
-#include "bvh/tree_cost.h"
 #include "geometry/primitives.h"
 #include "reference/reference.h"
 #include "scenes/motions.h"
