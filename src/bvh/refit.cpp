@@ -30,7 +30,7 @@
 #include "base/parallel.h"
 #include "base/prefetch.h"
 #include "base/rounding.h"
-#include "bvh/reach.h"
+#include "bvh/tree.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {
