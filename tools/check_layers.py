@@ -27,7 +27,6 @@ PRIVATE = {
     "penetration": ("pair", "point", "model", "bvh", "mesh", "geometry", "simd", "layout", "base"),
     "solid": ("pair", "point", "model", "bvh", "mesh", "geometry", "simd", "layout", "base"),
     "scene": ("motion/rigid", "model", "bvh", "geometry", "simd", "layout", "base"),
-    "classic": ("mesh", "geometry", "base"),
     "io": ("base/check.h", "base/float_environment.h"),
 }
 
@@ -48,17 +47,17 @@ THIRD_PARTY = {
     "boost": ("src/geometry/exact_sign.cpp", "src/geometry/integers.h", "tests/", "fuzz/", "bench/"),
     "CGAL": ("tests/", "bench/"),
     "Eigen": ("include/limber/eigen.h",),
-    "fcntl.h": ("src/io/file_bytes.cpp", "clients/", "tests/"),
+    "fcntl.h": ("clients/", "tests/"),
     "gmpxx.h": ("tests/",),
     "hwy": ("src/simd/", "src/kernels/"),
-    "sys": ("src/io/file_bytes.cpp", "clients/", "tests/", "bench/realtime/haptics.cpp"),
+    "sys": ("clients/", "tests/", "bench/realtime/haptics.cpp"),
     "tbb": ("src/base/",),
-    "unistd.h": ("src/io/file_bytes.cpp", "clients/", "tests/", "fuzz/"),
+    "unistd.h": ("clients/", "tests/", "fuzz/"),
     "nlohmann": ("src/io/", "clients/", "tests/", "bench/"),
     "nanobind": ("python/",),
     "oneapi": ("src/base/", "clients/", "python/", "tests/", "bench/"),
     "wasm_simd128.h": ("src/simd/", "src/kernels/"),
-    "xlocale.h": ("src/io/text_scan.cpp",),
+    "xlocale.h": ("src/io/scan.cpp",),
     "xmmintrin.h": ("src/base/", "tests/", "fuzz/"),
 }
 

@@ -17,7 +17,7 @@ import mutants
 from repository import cpp_code, texts
 
 HEAD = "// SPDX-FileCopyrightText: The limber authors\n// SPDX-License-Identifier: BSD-3-Clause\n"
-HEADERS = {f"include/limber/{name}.h": HEAD for name in ("base", "math", "geometry", "mesh", "classic", "io", "eigen")}
+HEADERS = {f"include/limber/{name}.h": HEAD for name in ("base", "math", "geometry", "mesh", "io", "eigen")}
 
 
 class Repository(unittest.TestCase):
@@ -47,19 +47,19 @@ class Layers(Repository):
     # Source, what it may include, and what it may not.
     INCLUDES = (
         ("src/base/a.cpp", "<vector>", "geometry/b.h ../geometry/b.h neighbour.h <unistd.h>"),
-        ("src/geometry/a.cpp", "base/check.h geometry/b.h", "classic/tree.h limber/classic.h <boost/rational.hpp> <CGAL/P.h> <sys/stat.h>"),
+        ("src/geometry/a.cpp", "base/check.h geometry/b.h", "bvh/tree.h limber/mesh.h <boost/rational.hpp> <CGAL/P.h> <sys/stat.h>"),
         ("src/geometry/exact_sign.cpp", "<boost/multiprecision/cpp_int.hpp>", "<nlohmann/json.hpp>"),
-        ("src/classic/a.cpp", "mesh/updates.h limber/classic.h", "model/placed.h limber/io.h limber/eigen.h"),
+        ("src/model/a.cpp", "mesh/updates.h limber/mesh.h", "point/placed.h limber/io.h limber/eigen.h"),
         ("src/io/a.cpp", "limber/io.h base/check.h <nlohmann/json.hpp>", "base/rounding.h"),
-        ("src/io/file_bytes.cpp", "<fcntl.h>", "<CGAL/P.h>"),
+        ("src/io/scan.cpp", "<xlocale.h>", "<CGAL/P.h>"),
         ("src/newcomer/a.cpp", "<vector>", "base/check.h"),
         ("include/limber/mesh.h", "limber/base.h <vector>", "base/check.h <fmt/format.h> <Eigen/Core> limber/no_such.h"),
         ("include/limber/eigen.h", "<Eigen/Core>", "<CGAL/P.h>"),
-        ("tests/unit/a_test.cpp", "classic/tree.h support/b.h scenes/scenes.h", "bench/support/b.h"),
-        ("tests/oracle/a_test.cpp", "<CGAL/P.h>", "classic/tree.h"),
+        ("tests/unit/a_test.cpp", "bvh/tree.h support/b.h scenes/scenes.h", "bench/support/b.h"),
+        ("tests/oracle/a_test.cpp", "<CGAL/P.h>", "bvh/tree.h"),
         ("clients/program/a.cpp", "<fmt/format.h>", "<CGAL/P.h> base/check.h bench/support/b.h reference/reference.h scenes/scenes.h"),
         ("clients/javascript/tests/a.cpp", "scenes/scenes.h", "support/b.h"),
-        ("bench/thesis/a.cpp", "bench/support/report.h", "classic/tree.h"),
+        ("bench/thesis/a.cpp", "bench/support/report.h", "bvh/tree.h"),
     )  # fmt: skip
 
     def test_includes(self) -> None:

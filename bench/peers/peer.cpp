@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/peers/peer.h"
 
-#include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "reference/classic/classic.h"
 
 namespace limber::bench {
 namespace {

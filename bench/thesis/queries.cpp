@@ -24,7 +24,7 @@
 
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
-#include "limber/classic.h"
+#include "reference/classic/classic.h"
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 

@@ -29,9 +29,9 @@
 
 #include "bench/support/report.h"
 #include "bench/support/sampling.h"
-#include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "reference/classic/classic.h"
 #include "reference/reference.h"
 #include "scenes/scenes.h"
 
@@ -218,8 +218,8 @@ void move_whole_sheet(Checker& checker, const Mesh& target, int rounds, Table& c
       const std::uint64_t count = sheet.maintenance_stats().refits;
       refits[m] = static_cast<double>(count) / moved;
       checker.check(accepted && sheet.validate(), "all vertices moved, {}: damaged tree", mode_name);
-      checker.check(mode != Maintenance::by_depth || count == sheet.tree_stats().nodes,
-                    "all vertices moved: {} refits of {} spheres", count, sheet.tree_stats().nodes);
+      checker.check(mode != Maintenance::by_depth || count == sheet.tree().nodes.size(),
+                    "all vertices moved: {} refits of {} spheres", count, sheet.tree().nodes.size());
     }
   }
   if (!checker.all_right()) return;

@@ -10,7 +10,6 @@
 #include <memory>
 #include <new>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -50,7 +49,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 
  private:
-  /// What follows the name of an option: type, default, which others it goes with.
+  /// What follows the name of an option: type, default.
   static std::string details(const CLI::Option* option) {
     std::string text;
     if (option->get_type_size() != 0) {
@@ -59,7 +58,7 @@ class HelpFormatter : public CLI::Formatter {
       if (option->get_expected_max() > 1) text += " ...";
       if (option->get_required()) text += " REQUIRED";
     }
-    return text + others(" Needs:", option->get_needs()) + others(" Excludes:", option->get_excludes());
+    return text;
   }
 
   static std::string entry(const std::string& name, const std::string& description) {
@@ -70,12 +69,6 @@ class HelpFormatter : public CLI::Formatter {
       text += c == '\n' ? next_line : std::string(1, c);
     }
     return text + '\n';
-  }
-
-  static std::string others(std::string text, const std::set<CLI::Option*>& options) {
-    if (options.empty()) return {};
-    for (const CLI::Option* option : options) text += ' ' + option->get_name();
-    return text;
   }
 };
 

@@ -14,7 +14,6 @@
 #include "limber/model.h"
 
 /// Queries of two models: whether they meet, how far apart they are, whether they are within a distance.
-/// limber::classic (classic.h) answers the same questions, without cache and budget.
 ///
 /// Triangles are surfaces, not solids: a model wholly inside another does not collide with it. When models meet, the
 /// distance is 0, the two points of the witness are the same and lie on both models up to rounding, and its triangles

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// This header brings what most programs need. Beside it stand io.h for mesh files, eigen.h for matrices of Eigen, and
-/// classic.h, the engine of the original source.
+/// This header brings what most programs need. Beside it stand io.h for mesh files and eigen.h for matrices of Eigen.
 #include "limber/base.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"

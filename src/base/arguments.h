@@ -10,7 +10,7 @@
 #include "limber/distance.h"
 #include "limber/points.h"
 
-/// What every engine requires of the options of a query. Comparisons with NaN are false, so NaN is refused too.
+/// What all queries require of the options of a query. Comparisons with NaN are false, so NaN is refused too.
 namespace limber::base {
 
 inline bool is_finite_and_not_negative(double x) { return x >= 0 && x <= std::numeric_limits<double>::max(); }
@@ -31,12 +31,6 @@ inline void check_options(const DistanceOptions& options, const char* function) 
 /// Whether a budget can end a query whose answer counts.
 inline bool is_limited(const QueryBudget& budget) {
   return budget.deadline || budget.cancel != nullptr || budget.max_steps < std::numeric_limits<std::uint64_t>::max();
-}
-
-/// The classic engine and brute force start from nothing and have no budget: they refuse options that ask for either.
-inline void check_has_no_cache_or_budget(const DistanceOptions& options, const char* function) {
-  LIMBER_REQUIRE(options.cache == nullptr && !is_limited(options.budget),
-                 (std::string(function) + ": takes no cache and no budget").c_str());
 }
 
 inline void check_options(const PointOptions& options, const char* function) {

@@ -31,14 +31,6 @@ ClosestFeatures closest_features(const Triangle& a, const Triangle& b);
 TriangleContact contact(const Triangle& a, const Triangle& b, OrientedFaces oriented,
                         double farthest = std::numeric_limits<double>::infinity());
 
-/// A sphere around a triangle, nearly the smallest, its radius rounded up so that all three corners are inside.
-Sphere enclosing_sphere(const Triangle& triangle);
-/// The smallest sphere around two, its radius recomputed from the stored center and rounded up.
-Sphere enclosing_sphere(const Sphere& a, const Sphere& b);
-/// Whether a sphere contains another one, or a triangle, judged so that rounding can only say no.
-bool contains(const Sphere& outer, const Sphere& inner);
-bool contains(const Sphere& sphere, const Triangle& triangle);
-
 /// The point of a triangle that is closest to some point.
 struct PointOnTriangle {
   double distance;

@@ -48,12 +48,12 @@ Json parse_json(std::string_view text) {
   try {
     json = Json::parse(text.begin(), text.end());
   } catch (const Json::parse_error& error) {
-    throw BadResult(malformed("is not valid JSON at byte " + std::to_string(error.byte) + " of its description"));
+    throw malformed("is not valid JSON at byte " + std::to_string(error.byte) + " of its description");
   } catch (const Json::exception&) {
-    throw BadResult(malformed("has a number in its JSON description that float64 cannot hold"));
+    throw malformed("has a number in its JSON description that float64 cannot hold");
   }
   if (count_properties(json) != property_count) {
-    throw BadResult(malformed("has an object with two properties of one name in its JSON description"));
+    throw malformed("has an object with two properties of one name in its JSON description");
   }
   return json;
 }

@@ -13,9 +13,6 @@
 #include "io/soup.h"
 
 /// The JSON description of a glTF file.
-///
-/// Errors   Functions of the glTF reader throw BadResult; read_gltf() catches it. Nearly every property can be wrong,
-///          and a Result at each of them would hide what is read.
 namespace limber::io {
 
 using Json = nlohmann::json;

@@ -43,7 +43,7 @@ struct GltfMesh {
   std::uint64_t triangle_count = 0;
 };
 
-/// Checks the meshes of a file, each when it is first asked for, and reads them. Errors as in gltf_json.h.
+/// Checks the meshes of a file, each when it is first asked for, and reads them.
 class GltfMeshes {
  public:
   GltfMeshes(const JsonItem& description, GltfBuffers& buffers)

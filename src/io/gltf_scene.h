@@ -46,7 +46,7 @@ struct GltfScene {
 
 /// Nodes that `KHR_node_visibility` hides show no mesh, nor do their children.
 ///
-/// Errors   As in gltf_json.h: `malformed_file` unless the nodes are trees and the scene lists roots, each once;
+/// Errors   `malformed_file` unless the nodes are trees and the scene lists roots, each once;
 ///          `empty_mesh` when there is no scene.
 /// Cost     O(number of nodes), without recursion.
 GltfScene read_scene(const JsonItem& description);

@@ -3,6 +3,7 @@
 #include "limber/io.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -13,9 +14,8 @@
 
 #include "base/check.h"
 #include "base/float_environment.h"
-#include "io/file_bytes.h"
-#include "io/parse_mesh.h"
 #include "io/polygon_triangles.h"
+#include "io/soup.h"
 #include "io/welding.h"
 
 namespace limber {
@@ -33,22 +33,68 @@ Error in_file(const fs::path& path, Error error) {
   return error;
 }
 
-Result<io::Soup> parse_soup(const fs::path& path, std::string_view bytes, const io::BufferSource& external) {
+/// What `call` returns, or the error that it throws.
+template <typename Call>
+auto result_of(const Call& call) -> Result<decltype(call())> {
+  try {
+    return call();
+  } catch (const BadResult& refused) {
+    return refused.error();
+  }
+}
+
+/// What `call` returns; errors that it throws get the path in front.
+template <typename Call>
+auto about_file(const fs::path& path, const Call& call) {
+  try {
+    return call();
+  } catch (const BadResult& refused) {
+    throw BadResult(in_file(path, refused.error()));
+  }
+}
+
+/// `extension` is lower-case and starts with a dot, as in ".obj".
+io::Soup parse_format(std::string_view bytes, std::string_view extension, const io::BufferSource& external) {
+  constexpr std::array<std::string_view, 6> known = {".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
+  if (std::find(known.begin(), known.end(), extension) == known.end()) {
+    throw BadResult(
+        {ErrorCode::unsupported_format,
+         (extension.empty() ? "has no extension" : "extension " + io::in_quotes(extension) + " is not read") +
+             "; .obj, .ply, .stl, .off, .gltf and .glb are",
+         {}});
+  }
+  if (bytes.empty()) throw io::malformed("is empty");
+  if (std::uint64_t{bytes.size()} > mesh_file_limits::bytes) {
+    throw BadResult({ErrorCode::too_large, "has more bytes than the limit", {}});
+  }
+  if (extension == ".obj") return io::read_obj(bytes);
+  if (extension == ".ply") return io::read_ply(bytes);
+  if (extension == ".off") return io::read_off(bytes);
+  if (extension == ".stl") return io::read_stl(bytes);
+  return io::read_gltf(bytes, external);
+}
+
+/// Promise  Positions are finite and at most `max_coordinate` in size; faces name existing vertices.
+io::Soup parse_soup(const fs::path& path, std::string_view bytes, const io::BufferSource& external) {
   const base::DefaultFloatEnvironment environment;  // numbers are computed, so the rounding mode counts
   std::string extension = path.extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  Result<io::Soup> soup = io::parse_mesh(bytes, extension, external);
-  if (!soup) return in_file(path, soup.error());
-  return soup;
+  return about_file(path, [&] {
+    io::Soup soup = parse_format(bytes, extension, external);
+    if (soup.faces.size() >= no_id) {
+      throw BadResult({ErrorCode::too_large, "has more faces than ids can count", {}});
+    }
+    check_positions(soup.positions).value();
+    return soup;
+  });
 }
 
 /// Reads a file; `files` becomes the list of all that were read.
-Result<io::Soup> read_soup(const fs::path& path, std::vector<fs::path>* files = nullptr) {
-  const Result<std::string> bytes = io::read_regular_file(path, mesh_file_limits::bytes);
-  if (!bytes) return in_file(path, bytes.error());
-  if (files == nullptr) return parse_soup(path, *bytes, io::buffers_beside(path));
+io::Soup read_soup(const fs::path& path, std::vector<fs::path>* files = nullptr) {
+  const std::string bytes = about_file(path, [&] { return io::read_regular_file(path, mesh_file_limits::bytes); });
+  if (files == nullptr) return parse_soup(path, bytes, io::buffers_beside(path));
   *files = {path};
-  return parse_soup(path, *bytes, [&](const std::string& name, std::uint64_t max_bytes) {
+  return parse_soup(path, bytes, [&](const std::string& name, std::uint64_t max_bytes) {
     files->push_back(path.parent_path() / std::u8string(name.begin(), name.end()));
     return io::buffers_beside(path)(name, max_bytes);
   });
@@ -84,13 +130,14 @@ std::string shown_name(const std::string& name) {
 }
 
 /// Splits every face into triangles, and gives vertices the ids that `weld` has for them.
-Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, Weld weld, std::vector<fs::path> files) {
+MeshFile make_mesh_file(const io::Soup& soup, Weld weld, std::vector<fs::path> files) {
   std::size_t triangle_count = 0;
   for (std::size_t f = 0; f < soup.faces.size(); ++f)  // n corners make n - 2 triangles
     triangle_count += std::max<std::size_t>(soup.faces[f].size(), 2) - 2;
-  if (triangle_count == 0) return in_file(path, {ErrorCode::empty_mesh, "has no face of three corners", {}});
-  if (triangle_count >= no_id)
-    return in_file(path, {ErrorCode::too_large, "has more triangles than ids can count", {}});
+  if (triangle_count == 0) throw BadResult({ErrorCode::empty_mesh, "has no face of three corners", {}});
+  if (triangle_count >= no_id) {
+    throw BadResult({ErrorCode::too_large, "has more triangles than ids can count", {}});
+  }
 
   std::vector<Corners> triangles;
   std::vector<std::uint32_t> face_of_triangle, part_of_triangle;
@@ -100,21 +147,19 @@ Result<MeshFile> make_mesh_file(const fs::path& path, const io::Soup& soup, Weld
   io::PolygonTriangles splitter(soup.positions);
   for (std::size_t f = 0; f < soup.faces.size(); ++f) {
     const std::span<const std::uint32_t> face = soup.faces[f];
-    const Result<std::span<const std::uint32_t>> corners = splitter.split(face, f);
-    if (!corners) return in_file(path, corners.error());
-    const auto vertex = [&](std::size_t corner) { return weld.welded_of[face[(*corners)[corner]]]; };
-    for (std::size_t i = 0; i < corners->size(); i += 3) {
+    const std::span<const std::uint32_t> corners = splitter.split(face, f);
+    const auto vertex = [&](std::size_t corner) { return weld.welded_of[face[corners[corner]]]; };
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
       triangles.push_back({vertex(i), vertex(i + 1), vertex(i + 2)});
       face_of_triangle.push_back(static_cast<std::uint32_t>(f));
       part_of_triangle.push_back(soup.part_of_face.empty() ? 0 : soup.part_of_face[f]);
     }
   }
   LIMBER_ASSERT(triangles.size() == triangle_count);
-  Result<Mesh> mesh = Mesh::create(pick(soup.positions, weld.first_of), std::move(triangles));
-  if (!mesh) return in_file(path, mesh.error());
+  Mesh mesh = Mesh::create(pick(soup.positions, weld.first_of), std::move(triangles)).value();
   std::vector<std::string> parts(std::max<std::size_t>(soup.parts.size(), 1));
   std::transform(soup.parts.begin(), soup.parts.end(), parts.begin(), shown_name);
-  return MeshFile{std::move(*mesh), std::move(face_of_triangle), soup.faces.size(), std::move(weld.welded_of),
+  return MeshFile{std::move(mesh),  std::move(face_of_triangle), soup.faces.size(), std::move(weld.welded_of),
                   std::move(parts), std::move(part_of_triangle), std::move(files)};
 }
 
@@ -134,26 +179,29 @@ std::string difference(const io::Soup& frame, std::size_t vertex_count, const st
          ", with " + std::to_string(vertex_count) + " vertices in both";
 }
 
-Error changed(const fs::path& path, std::size_t frame, const std::string& how) {
-  return in_file(path, {ErrorCode::changed_connectivity, "frame " + std::to_string(frame) + " " + how, frame});
+BadResult changed(const fs::path& path, std::size_t frame, const std::string& how) {
+  return BadResult(
+      in_file(path, {ErrorCode::changed_connectivity, "frame " + std::to_string(frame) + " " + how, frame}));
 }
 
 }  // namespace
 
 Result<MeshFile> read_mesh_file(const fs::path& path, const ReadOptions& options) {
   require_options(options);
-  std::vector<fs::path> files;
-  const Result<io::Soup> soup = read_soup(path, &files);
-  if (!soup) return soup.error();
-  return make_mesh_file(path, *soup, io::Welding(*soup, options).result(), std::move(files));
+  return result_of([&] {
+    std::vector<fs::path> files;
+    const io::Soup soup = read_soup(path, &files);
+    return about_file(path,
+                      [&] { return make_mesh_file(soup, io::Welding(soup, options).result(), std::move(files)); });
+  });
 }
 
 Result<MeshFile> read_mesh_bytes(std::span<const std::byte> bytes, const fs::path& name, const ReadOptions& options) {
   require_options(options);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const Result<io::Soup> soup = parse_soup(name, text, {});
-  if (!soup) return soup.error();
-  return make_mesh_file(name, *soup, io::Welding(*soup, options).result(), {});
+  return result_of([&] {
+    const io::Soup soup = parse_soup(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, {});
+    return about_file(name, [&] { return make_mesh_file(soup, io::Welding(soup, options).result(), {}); });
+  });
 }
 
 Result<Mesh> load_mesh(const fs::path& path, const ReadOptions& options) {
@@ -169,43 +217,43 @@ Result<MeshSequence> MeshSequence::open(const fs::path& first_frame, const ReadO
 Result<MeshSequence> MeshSequence::open(std::span<const fs::path> frames, const ReadOptions& options) {
   require_options(options);
   if (frames.empty()) throw std::invalid_argument("limber::MeshSequence::open: there is no frame");
-  std::vector<fs::path> files;
-  Result<io::Soup> soup = read_soup(frames.front(), &files);
-  if (!soup) return soup.error();
-  io::Welding welding(*soup, options);
-  for (std::size_t frame = 1; frame < frames.size() && welding.joins_any(); ++frame) {
-    const Result<io::Soup> later = read_soup(frames[frame]);
-    if (!later) return later.error();
-    const std::string how = difference(*later, soup->positions.size(), soup->faces.corners, soup->faces.ends);
-    if (!how.empty()) return changed(frames[frame], frame, how);
-    welding.part(later->positions);
-  }
-  Weld weld = welding.result();
-  std::vector<VertexId> file_vertex_of = weld.first_of;
-  Result<MeshFile> file = make_mesh_file(frames.front(), *soup, std::move(weld), std::move(files));
-  if (!file) return file.error();
-  MeshSequence sequence(std::move(*file));
-  sequence.weld_tolerance_ = options.weld_tolerance;
-  sequence.file_corners_ = std::move(soup->faces.corners);
-  sequence.file_face_ends_ = std::move(soup->faces.ends);
-  sequence.file_vertex_of_ = std::move(file_vertex_of);
-  return sequence;
+  return result_of([&] {
+    std::vector<fs::path> files;
+    io::Soup soup = read_soup(frames.front(), &files);
+    io::Welding welding(soup, options);
+    for (std::size_t frame = 1; frame < frames.size() && welding.joins_any(); ++frame) {
+      const io::Soup later = read_soup(frames[frame]);
+      const std::string how = difference(later, soup.positions.size(), soup.faces.corners, soup.faces.ends);
+      if (!how.empty()) throw changed(frames[frame], frame, how);
+      welding.part(later.positions);
+    }
+    Weld weld = welding.result();
+    std::vector<VertexId> file_vertex_of = weld.first_of;
+    MeshSequence sequence(
+        about_file(frames.front(), [&] { return make_mesh_file(soup, std::move(weld), std::move(files)); }));
+    sequence.weld_tolerance_ = options.weld_tolerance;
+    sequence.file_corners_ = std::move(soup.faces.corners);
+    sequence.file_face_ends_ = std::move(soup.faces.ends);
+    sequence.file_vertex_of_ = std::move(file_vertex_of);
+    return sequence;
+  });
 }
 
 Result<std::vector<Vec3>> MeshSequence::read_positions(const fs::path& path, std::size_t frame) const {
-  const Result<io::Soup> soup = read_soup(path);
-  if (!soup) return soup.error();
-  const std::vector<VertexId>& mesh_vertex_of = first_.vertex_of_file_vertex;
-  const std::string how = difference(*soup, mesh_vertex_of.size(), file_corners_, file_face_ends_);
-  if (!how.empty()) return changed(path, frame, how);
-  for (std::size_t v = 0; v < mesh_vertex_of.size(); ++v) {
-    const VertexId first = file_vertex_of_[mesh_vertex_of[v]];
-    if (io::are_together(soup->positions[first], soup->positions[v], weld_tolerance_)) continue;
-    return changed(path, frame,
-                   "parts vertices " + std::to_string(first) + " and " + std::to_string(v) +
-                       " of the file, which are one in the sequence; open it with all its frames, or without welding");
-  }
-  return pick(soup->positions, file_vertex_of_);
+  return result_of([&] {
+    const io::Soup soup = read_soup(path);
+    const std::vector<VertexId>& mesh_vertex_of = first_.vertex_of_file_vertex;
+    const std::string how = difference(soup, mesh_vertex_of.size(), file_corners_, file_face_ends_);
+    if (!how.empty()) throw changed(path, frame, how);
+    for (std::size_t v = 0; v < mesh_vertex_of.size(); ++v) {
+      const VertexId first = file_vertex_of_[mesh_vertex_of[v]];
+      if (io::are_together(soup.positions[first], soup.positions[v], weld_tolerance_)) continue;
+      throw changed(path, frame,
+                    "parts vertices " + std::to_string(first) + " and " + std::to_string(v) +
+                        " of the file, which are one in the sequence; open it with all its frames, or without welding");
+    }
+    return pick(soup.positions, file_vertex_of_);
+  });
 }
 
 }  // namespace limber

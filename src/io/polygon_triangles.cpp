@@ -41,8 +41,7 @@ int PolygonTriangles::turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) co
   return direction_ * orient2d(positions_[face_[a]], positions_[face_[b]], positions_[face_[c]], axis_);
 }
 
-Result<std::span<const std::uint32_t>> PolygonTriangles::split(std::span<const std::uint32_t> face,
-                                                               std::size_t number) {
+std::span<const std::uint32_t> PolygonTriangles::split(std::span<const std::uint32_t> face, std::size_t number) {
   triangles_.clear();
   face_ = face;
   const auto count = static_cast<std::uint32_t>(face.size());
@@ -57,14 +56,14 @@ Result<std::span<const std::uint32_t>> PolygonTriangles::split(std::span<const s
   if (!is_fan) {
     cut_ears();
     if (test_count_ > mesh_file_limits::corner_tests) {
-      return Error{ErrorCode::too_large, "face " + std::to_string(number) + " takes too long to split into triangles",
-                   number};
+      throw BadResult(
+          {ErrorCode::too_large, "face " + std::to_string(number) + " takes too long to split into triangles", number});
     }
   } else {
     for (std::uint32_t i = 2; i < count; ++i) triangles_.insert(triangles_.end(), {0, i - 1, i});
   }
   LIMBER_ASSERT(triangles_.size() == 3 * (std::max<std::size_t>(count, 2) - 2));
-  return std::span<const std::uint32_t>(triangles_);
+  return triangles_;
 }
 
 bool PolygonTriangles::are_equal(std::uint32_t a, std::uint32_t b) const {

@@ -26,7 +26,7 @@ class PolygonTriangles {
   /// its edges. Faces that cross themselves or have no area are cut in some way.
   ///
   /// Errors   `too_large` naming the face, once all faces together have taken `mesh_file_limits::corner_tests`.
-  Result<std::span<const std::uint32_t>> split(std::span<const std::uint32_t> face, std::size_t number);
+  std::span<const std::uint32_t> split(std::span<const std::uint32_t> face, std::size_t number);
 
  private:
   /// +1 where three corners turn as the face does.

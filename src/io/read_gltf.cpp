@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "io/byte_order.h"
 #include "io/gltf_meshes.h"
-#include "io/parse_mesh.h"
+#include "io/scan.h"
 #include "limber/io.h"
 
 namespace limber::io {
@@ -23,7 +22,7 @@ struct Parts {
 Parts split_binary(std::string_view file) {
   constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
   constexpr std::string_view json_type = "JSON", binary_type = std::string_view("BIN\0", 4);
-  if (file.size() < header_bytes + chunk_header_bytes) throw BadResult(malformed("ends inside its header"));
+  if (file.size() < header_bytes + chunk_header_bytes) throw malformed("ends inside its header");
   const std::uint64_t version = unsigned_number(file.substr(4, 4));
   if (version != 2) {
     throw BadResult({ErrorCode::unsupported_format,
@@ -32,7 +31,7 @@ Parts split_binary(std::string_view file) {
   }
   const auto refuse_beyond = [&](std::uint64_t promised, std::size_t there) {
     if (promised <= there) return;
-    throw BadResult(malformed("promises " + std::to_string(promised) + " bytes but has " + std::to_string(there)));
+    throw malformed("promises " + std::to_string(promised) + " bytes but has " + std::to_string(there));
   };
   const std::uint64_t length = unsigned_number(file.substr(8, 4));
   refuse_beyond(length, file.size());
@@ -47,7 +46,7 @@ Parts split_binary(std::string_view file) {
     refuse_beyond(at + chunk_bytes, file.size());
     const std::string_view chunk = file.substr(at, static_cast<std::size_t>(chunk_bytes));
     at += static_cast<std::size_t>(chunk_bytes);
-    if (is_first != (type == json_type)) throw BadResult(malformed("its first chunk alone must be JSON"));
+    if (is_first != (type == json_type)) throw malformed("its first chunk alone must be JSON");
     if (is_first) parts.description = chunk;
     if (type == binary_type && !parts.binary_chunk) parts.binary_chunk = chunk;
   }
@@ -57,7 +56,7 @@ Parts split_binary(std::string_view file) {
 Parts split(std::string_view file) {
   if (file.starts_with("glTF")) return split_binary(file);
   const std::size_t first = std::min(file.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), file.size());
-  if (!file.substr(first).starts_with('{')) throw BadResult(malformed("is not a glTF file"));
+  if (!file.substr(first).starts_with('{')) throw malformed("is not a glTF file");
   return {file, {}};
 }
 
@@ -100,7 +99,9 @@ void check_total(double element_count, std::uint64_t file_bytes, const GltfMesh&
               ErrorCode::too_large);
 }
 
-Soup read(std::string_view file, const BufferSource& external) {
+}  // namespace
+
+Soup read_gltf(std::string_view file, const BufferSource& external) {
   const Parts parts = split(file);
   const Json json = parse_json(parts.description);
   const JsonItem description(json, "");
@@ -129,16 +130,6 @@ Soup read(std::string_view file, const BufferSource& external) {
   soup.faces.ends.reserve(static_cast<std::size_t>(triangle_count));
   for (const MeshInstance& instance : scene.instances) meshes.append(soup, instance, scene);
   return soup;
-}
-
-}  // namespace
-
-Result<Soup> read_gltf(std::string_view file, const BufferSource& external) {
-  try {
-    return read(file, external);
-  } catch (const BadResult& refused) {
-    return refused.error();
-  }
 }
 
 }  // namespace limber::io

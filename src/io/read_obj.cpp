@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <map>
 
-#include "io/parse_mesh.h"
-#include "io/text_scan.h"
+#include "io/scan.h"
 
 namespace limber::io {
 namespace {
@@ -17,11 +16,8 @@ bool is_keyword(std::string_view word) {
          });
 }
 
-Error out_of_range(std::size_t face, std::int64_t index, std::size_t vertex_count) {
-  return {ErrorCode::index_out_of_range,
-          "face " + std::to_string(face) + " names vertex " + std::to_string(index) +
-              ", counted from 1, but there are only " + std::to_string(vertex_count) + " vertices",
-          face};
+BadResult out_of_range(std::size_t face, std::int64_t index, std::size_t vertex_count) {
+  return missing_vertex(face, index, vertex_count, ", counted from 1");
 }
 
 /// The vertex index at the front of a corner "v", "v/vt", "v//vn" or "v/vt/vn".
@@ -57,35 +53,27 @@ class NamedParts {
 
 class ObjReader {
  public:
-  Result<Soup> read(std::string_view file);
+  Soup read(std::string_view file);
 
  private:
-  Result<void> read_record(std::string_view line, std::size_t line_number);
-  Result<void> read_vertex(std::string_view words);
-  Result<void> read_face(std::string_view words);
-  Result<void> check_corners() const;
+  void read_record(std::string_view line, std::size_t line_number);
+  void read_face(std::string_view words);
+  void check_corners() const;
 
   Soup soup_;
   NamedParts objects_, groups_;
   std::uint32_t largest_corner_ = 0;
 };
 
-Result<void> ObjReader::read_vertex(std::string_view words) {
-  Vec3 position;  // a fourth coordinate or a color may follow the three
-  if (Result<void> taken = take_position(words, soup_.positions.size(), position); !taken) return taken;
-  soup_.positions.push_back(position);
-  return {};
-}
-
-Result<void> ObjReader::read_face(std::string_view words) {
+void ObjReader::read_face(std::string_view words) {
   const std::size_t face = soup_.faces.size();
   const auto vertex_count = static_cast<std::int64_t>(soup_.positions.size());
   for (std::string_view word = take_word(words); !word.empty(); word = take_word(words)) {
     const std::optional<std::int32_t> index = corner_index(word);
-    if (!index) return malformed("face", face, in_quotes(word) + " is not a corner");
+    if (!index) throw malformed("face", face, in_quotes(word) + " is not a corner");
     // Positive indices count from 1, also to vertices further down; negative ones count back from the last vertex.
     const std::int64_t vertex = *index > 0 ? std::int64_t{*index} - 1 : vertex_count + *index;
-    if (*index == 0 || vertex < 0) return out_of_range(face, *index, soup_.positions.size());
+    if (*index == 0 || vertex < 0) throw out_of_range(face, *index, soup_.positions.size());
     const auto corner = static_cast<std::uint32_t>(vertex);
     largest_corner_ = std::max(largest_corner_, corner);
     soup_.faces.corners.push_back(corner);
@@ -93,19 +81,18 @@ Result<void> ObjReader::read_face(std::string_view words) {
   soup_.faces.ends.push_back(soup_.faces.corners.size());
   objects_.add_face();
   groups_.add_face();
-  return {};
 }
 
-Result<void> ObjReader::read_record(std::string_view line, std::size_t line_number) {
+void ObjReader::read_record(std::string_view line, std::size_t line_number) {
   line = without_comment(line);
   const std::string_view keyword = take_word(line);
-  if (keyword.empty()) return {};
-  if (keyword == "v") return read_vertex(line);
+  if (keyword.empty()) return;
+  // A fourth coordinate or a color may follow the three.
+  if (keyword == "v") return soup_.positions.push_back(take_position(line, soup_.positions.size()));
   if (keyword == "f" || keyword == "fo") return read_face(line);  // "fo" is the same in old files
   if (keyword == "o") objects_.begin(line);
   if (keyword == "g") groups_.begin(line);
-  if (!is_keyword(keyword)) return malformed("line", line_number, in_quotes(keyword) + " is not an OBJ keyword");
-  return {};
+  if (!is_keyword(keyword)) throw malformed("line", line_number, in_quotes(keyword) + " is not an OBJ keyword");
 }
 
 /// The line up to a backslash at its end, by which the record goes on in the next line; none without one. A comment
@@ -118,18 +105,17 @@ std::optional<std::string_view> continued(std::string_view line) {
 }
 
 /// Checks what only the end of the file can tell, since faces may precede their vertices.
-Result<void> ObjReader::check_corners() const {
+void ObjReader::check_corners() const {
   const std::size_t vertex_count = soup_.positions.size();
-  if (soup_.faces.corners.empty() || largest_corner_ < vertex_count) return {};
+  if (soup_.faces.corners.empty() || largest_corner_ < vertex_count) return;
   for (std::size_t face = 0; face < soup_.faces.size(); ++face) {
     for (const std::uint32_t corner : soup_.faces[face]) {
-      if (corner >= vertex_count) return out_of_range(face, std::int64_t{corner} + 1, vertex_count);
+      if (corner >= vertex_count) throw out_of_range(face, std::int64_t{corner} + 1, vertex_count);
     }
   }
-  return {};
 }
 
-Result<Soup> ObjReader::read(std::string_view file) {
+Soup ObjReader::read(std::string_view file) {
   std::string_view rest = without_byte_order_mark(file);
   std::string joined;
   for (std::size_t line_number = 1; !rest.empty(); ++line_number) {
@@ -142,10 +128,10 @@ Result<Soup> ObjReader::read(std::string_view file) {
       ++line_number;
     }
     if (!joined.empty()) line = joined.append(line);
-    if (Result<void> done = read_record(line, first_line); !done) return done.error();
+    read_record(line, first_line);
   }
-  if (soup_.positions.empty() && soup_.faces.size() == 0) return malformed("has neither vertices nor faces");
-  if (Result<void> checked = check_corners(); !checked) return checked.error();
+  if (soup_.positions.empty() && soup_.faces.size() == 0) throw malformed("has neither vertices nor faces");
+  check_corners();
   NamedParts& parts = objects_.names.size() > 1 ? objects_ : groups_;
   if (parts.names.size() <= 1 && !objects_.names.empty()) parts = std::move(objects_);
   soup_.parts = std::move(parts.names);
@@ -155,6 +141,6 @@ Result<Soup> ObjReader::read(std::string_view file) {
 
 }  // namespace
 
-Result<Soup> read_obj(std::string_view file) { return ObjReader().read(file); }
+Soup read_obj(std::string_view file) { return ObjReader().read(file); }
 
 }  // namespace limber::io

@@ -5,9 +5,7 @@
 #include <cstdint>
 
 #include "base/check.h"
-#include "io/byte_order.h"
-#include "io/parse_mesh.h"
-#include "io/text_scan.h"
+#include "io/scan.h"
 
 namespace limber::io {
 namespace {
@@ -72,101 +70,95 @@ std::optional<PlyEncoding> encoding(std::string_view word) {
   return {};
 }
 
-Result<PlyProperty> parse_property(std::string_view words) {
+PlyProperty parse_property(std::string_view words) {
   PlyProperty property;
   std::string_view type_name = take_word(words);
   if (type_name == "list") {
     property.size_type = scalar_type(take_word(words));
-    if (!property.size_type || property.size_type->is_float) return malformed("has a list whose sizes are no integers");
+    if (!property.size_type || property.size_type->is_float) throw malformed("has a list whose sizes are no integers");
     type_name = take_word(words);
   }
   const std::optional<PlyType> type = scalar_type(type_name);
-  if (!type) return malformed(in_quotes(type_name) + " is not a PLY type");
+  if (!type) throw malformed(in_quotes(type_name) + " is not a PLY type");
   property.type = *type;
   property.name = take_word(words);
   return property;
 }
 
-Result<void> check_vertices(const PlyElement& element) {
+void check_vertices(const PlyElement& element) {
   for (const char* axis : {"x", "y", "z"}) {
     const auto is_axis = [&](const PlyProperty& property) { return property.name == axis; };
     const auto found = std::find_if(element.properties.begin(), element.properties.end(), is_axis);
     if (std::count_if(element.properties.begin(), element.properties.end(), is_axis) != 1 || found->size_type) {
-      return malformed(std::string("has no vertex coordinate ") + axis + " that is one number");
+      throw malformed(std::string("has no vertex coordinate ") + axis + " that is one number");
     }
   }
-  return {};
 }
 
-Result<void> check_faces(const PlyElement& element) {
+void check_faces(const PlyElement& element) {
   const auto is_corner_list = [](const PlyProperty& property) { return property.is_corner_list(); };
   const auto found = std::find_if(element.properties.begin(), element.properties.end(), is_corner_list);
   if (std::count_if(element.properties.begin(), element.properties.end(), is_corner_list) != 1) {
-    return malformed("has faces without a list vertex_indices");
+    throw malformed("has faces without a list vertex_indices");
   }
-  if (found->type.is_float) return malformed("has vertex indices that are no integers");
-  return {};
+  if (found->type.is_float) throw malformed("has vertex indices that are no integers");
 }
 
-Result<void> check_elements(PlyHeader& header) {
+void check_elements(PlyHeader& header) {
   std::size_t vertex_elements = 0, face_elements = 0;
   for (const PlyElement& element : header.elements) {
     if (element.holds_vertices()) {
       ++vertex_elements;
       header.vertex_count = element.count;
-      if (Result<void> checked = check_vertices(element); !checked) return checked;
+      check_vertices(element);
     } else if (element.holds_faces() || element.holds_strips()) {
       ++face_elements;
-      if (Result<void> checked = check_faces(element); !checked) return checked;
+      check_faces(element);
     }
   }
-  if (vertex_elements == 0) return malformed("has no vertices");
-  if (vertex_elements > 1 || face_elements > 1) return malformed("has two elements of vertices or of faces");
-  return {};
+  if (vertex_elements == 0) throw malformed("has no vertices");
+  if (vertex_elements > 1 || face_elements > 1) throw malformed("has two elements of vertices or of faces");
 }
 
 /// Reads one line of the header; `at_end` tells that it was the last.
-Result<void> read_line(std::string_view words, PlyHeader& header, bool& has_format, bool& at_end) {
+void read_line(std::string_view words, PlyHeader& header, bool& has_format, bool& at_end) {
   const std::string_view keyword = take_word(words);
   if (keyword == "format") {
     const std::string_view name = take_word(words);
     const std::optional<PlyEncoding> known = encoding(name);
-    if (!known) return malformed(in_quotes(name) + " is not a PLY encoding");
+    if (!known) throw malformed(in_quotes(name) + " is not a PLY encoding");
     header.encoding = *known;
     has_format = true;
   } else if (keyword == "element") {
     const std::string_view name = take_word(words);
     const auto count = integer<std::uint32_t>(take_word(words));
-    if (!count) return malformed("element " + in_quotes(name) + " has no count that fits 32 bits");
+    if (!count) throw malformed("element " + in_quotes(name) + " has no count that fits 32 bits");
     header.elements.push_back({name, *count, {}});
   } else if (keyword == "property") {
-    if (header.elements.empty()) return malformed("has a property before the first element");
-    const Result<PlyProperty> property = parse_property(words);
-    if (!property) return property.error();
-    header.elements.back().properties.push_back(*property);
+    if (header.elements.empty()) throw malformed("has a property before the first element");
+    header.elements.back().properties.push_back(parse_property(words));
   } else if (keyword == "end_header") {
-    if (!has_format) return malformed("has no format line");
+    if (!has_format) throw malformed("has no format line");
     at_end = true;
   } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-    return malformed(in_quotes(keyword) + " is not a PLY header keyword");
+    throw malformed(in_quotes(keyword) + " is not a PLY header keyword");
   }
-  return {};
 }
 
 /// Takes the header off the front of `rest`.
 ///
 /// Promise  There is one element of vertices, with one number x, y and z each, and at most one of faces or
 ///          strips, with one list of integer vertex indices. The header's names refer to the file's bytes.
-Result<PlyHeader> take_ply_header(std::string_view& rest) {
+PlyHeader take_ply_header(std::string_view& rest) {
   std::string_view first_line = take_line(rest);
-  if (take_word(first_line) != "ply") return malformed("does not start with ply");
+  if (take_word(first_line) != "ply") throw malformed("does not start with ply");
   PlyHeader header;
   bool has_format = false, at_end = false;
   while (!rest.empty() && !at_end) {
-    if (Result<void> read = read_line(take_line(rest), header, has_format, at_end); !read) return read.error();
+    read_line(take_line(rest), header, has_format, at_end);
   }
-  if (!at_end) return malformed("ends inside its header");
-  if (Result<void> checked = check_elements(header); !checked) return checked.error();
+  if (!at_end) throw malformed("ends inside its header");
+  check_elements(header);
   return header;
 }
 
@@ -181,22 +173,21 @@ class PlyReader {
         byte_order_(header.encoding == PlyEncoding::big_endian ? ByteOrder::big : ByteOrder::little),
         vertex_count_(header.vertex_count) {}
 
-  Result<void> read(const PlyElement& element) {
+  void read(const PlyElement& element) {
     if (element.holds_vertices()) return read_vertices(element);
     if (element.holds_faces() || element.holds_strips()) return read_faces(element);
     for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
       for (const PlyProperty& property : element.properties) {
-        if (!skip(property)) return truncated(element, i);
+        if (!skip(property)) throw truncated(element, i);
       }
     }
-    return {};
   }
 
   Soup take_soup() { return std::move(soup_); }
 
  private:
-  static Error truncated(const PlyElement& element, std::size_t at) {
-    return malformed(std::string(element.name), at,
+  static BadResult truncated(const PlyElement& element, std::size_t at) {
+    return malformed(element.name, at,
                      "the file ends here or holds a bad value, it promises " + std::to_string(element.count));
   }
 
@@ -242,7 +233,7 @@ class PlyReader {
     return true;
   }
 
-  Result<void> read_vertices(const PlyElement& element) {
+  void read_vertices(const PlyElement& element) {
     constexpr std::size_t smallest_vertex_bytes = 6;  // "0 0 0 "; no more is reserved than the file can hold
     soup_.positions.reserve(std::min(element.count, rest_.size() / smallest_vertex_bytes));
     for (std::size_t vertex = 0; vertex < element.count; ++vertex) {
@@ -250,48 +241,42 @@ class PlyReader {
       for (const PlyProperty& property : element.properties) {
         const bool is_coordinate = property.name == "x" || property.name == "y" || property.name == "z";
         if (!is_coordinate) {
-          if (!skip(property)) return truncated(element, vertex);
+          if (!skip(property)) throw truncated(element, vertex);
           continue;
         }
         const std::string_view raw = take(property.type);
-        if (raw.empty()) return truncated(element, vertex);
-        double& coordinate = position[static_cast<std::size_t>(property.name[0] - 'x')];
-        if (is_text_) {
-          const Number value = number(raw);
-          if (value.kind != NumberKind::finite) return bad_coordinate(raw, value.kind, vertex);
-          coordinate = value.value;
-        } else {
-          coordinate = property.type.is_float ? float_number(raw, byte_order_)
-                                              : static_cast<double>(integer_of(raw, property.type));
-        }
+        if (raw.empty()) throw truncated(element, vertex);
+        position[static_cast<std::size_t>(property.name[0] - 'x')] =
+            is_text_                 ? coordinate(raw, vertex)
+            : property.type.is_float ? float_number(raw, byte_order_)
+                                     : static_cast<double>(integer_of(raw, property.type));
       }
       soup_.positions.push_back(position);
     }
-    return {};
   }
 
-  Result<void> read_faces(const PlyElement& element) {
+  void read_faces(const PlyElement& element) {
     FaceLists& faces = soup_.faces;
     faces.ends.reserve(std::min(element.count, rest_.size()));
     for (std::size_t face = 0; face < element.count; ++face) {
       for (const PlyProperty& property : element.properties) {
         if (!property.is_corner_list()) {
-          if (!skip(property)) return truncated(element, face);
+          if (!skip(property)) throw truncated(element, face);
           continue;
         }
         const auto size = take_integer(*property.size_type);
-        if (!size || *size < 0 || static_cast<std::uint64_t>(*size) > rest_.size()) return truncated(element, face);
+        if (!size || *size < 0 || static_cast<std::uint64_t>(*size) > rest_.size()) throw truncated(element, face);
         std::size_t first = faces.corners.size();
         for (std::int64_t i = 0; i < *size; ++i) {
           const auto corner = take_integer(property.type);
-          if (!corner) return truncated(element, face);
+          if (!corner) throw truncated(element, face);
           if (*corner == -1 && element.holds_strips()) {
             split_strip(first);
             first = faces.corners.size();
             continue;
           }
           if (*corner < 0 || static_cast<std::uint64_t>(*corner) >= vertex_count_) {
-            return missing_vertex(face, *corner, vertex_count_);
+            throw missing_vertex(face, *corner, vertex_count_);
           }
           faces.corners.push_back(static_cast<std::uint32_t>(*corner));
         }
@@ -302,7 +287,6 @@ class PlyReader {
         }
       }
     }
-    return {};
   }
 
   /// Makes faces of the strip whose corners stand at the end of the list. Every other triangle of a strip turns the
@@ -329,13 +313,10 @@ class PlyReader {
 
 }  // namespace
 
-Result<Soup> read_ply(std::string_view file) {
-  const Result<PlyHeader> header = take_ply_header(file);
-  if (!header) return header.error();
-  PlyReader reader(file, *header);
-  for (const PlyElement& element : header->elements) {
-    if (Result<void> read = reader.read(element); !read) return read.error();
-  }
+Soup read_ply(std::string_view file) {
+  const PlyHeader header = take_ply_header(file);
+  PlyReader reader(file, header);
+  for (const PlyElement& element : header.elements) reader.read(element);
   return reader.take_soup();
 }
 

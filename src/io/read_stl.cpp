@@ -5,9 +5,7 @@
 #include <initializer_list>
 
 #include "base/check.h"
-#include "io/byte_order.h"
-#include "io/parse_mesh.h"
-#include "io/text_scan.h"
+#include "io/scan.h"
 
 namespace limber::io {
 namespace {
@@ -76,52 +74,47 @@ bool is_keyword(std::string_view word, std::string_view keyword) {
                     [](char c, char k) { return c == k || c == k - 'a' + 'A'; });
 }
 
-Error misplaced(std::size_t facet, std::string_view found, std::string_view wanted) {
+BadResult misplaced(std::size_t facet, std::string_view found, std::string_view wanted) {
   return malformed("facet", facet,
                    found.empty() ? "the file ends where '" + std::string(wanted) + "' is due"
                                  : in_quotes(found) + " stands where '" + std::string(wanted) + "' is due");
 }
 
-Result<void> check_words(std::string_view& rest, std::size_t facet, std::initializer_list<std::string_view> due) {
+void check_words(std::string_view& rest, std::size_t facet, std::initializer_list<std::string_view> due) {
   for (const std::string_view wanted : due) {
     const std::string_view found = take_word(rest);
-    if (!is_keyword(found, wanted)) return misplaced(facet, found, wanted);
+    if (!is_keyword(found, wanted)) throw misplaced(facet, found, wanted);
   }
-  return {};
 }
 
 /// Reads a facet whose first word is taken already.
-Result<void> read_facet(std::string_view& rest, Soup& soup) {
+void read_facet(std::string_view& rest, Soup& soup) {
   const std::size_t facet = soup.faces.size();
-  if (Result<void> checked = check_words(rest, facet, {"normal"}); !checked) return checked;
+  check_words(rest, facet, {"normal"});
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view word = take_word(rest);
-    if (number(word).kind == NumberKind::none) return misplaced(facet, word, "a number");
+    if (number(word).kind == NumberKind::none) throw misplaced(facet, word, "a number");
   }
-  if (Result<void> checked = check_words(rest, facet, {"outer", "loop"}); !checked) return checked;
+  check_words(rest, facet, {"outer", "loop"});
   for (int corner = 0; corner < 3; ++corner) {
-    if (Result<void> checked = check_words(rest, facet, {"vertex"}); !checked) return checked;
-    Vec3 position;
-    if (Result<void> taken = take_position(rest, soup.positions.size(), position); !taken) return taken;
-    soup.positions.push_back(position);
+    check_words(rest, facet, {"vertex"});
+    soup.positions.push_back(take_position(rest, soup.positions.size()));
   }
   add_facet(soup);
-  return check_words(rest, facet, {"endloop", "endfacet"});
+  check_words(rest, facet, {"endloop", "endfacet"});
 }
 
-Result<Soup> read_text(std::string_view file) {
+Soup read_text(std::string_view file) {
   std::string_view rest = without_byte_order_mark(file);
   Soup soup;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
-    if (!is_keyword(word, "solid")) return misplaced(soup.faces.size(), word, "solid");
+    if (!is_keyword(word, "solid")) throw misplaced(soup.faces.size(), word, "solid");
     const std::string_view name = trimmed(take_line(rest));
     const std::size_t first = soup.faces.size();
-    for (word = take_word(rest); is_keyword(word, "facet"); word = take_word(rest)) {
-      if (Result<void> read = read_facet(rest, soup); !read) return read.error();
-    }
+    for (word = take_word(rest); is_keyword(word, "facet"); word = take_word(rest)) read_facet(rest, soup);
     if (soup.faces.size() > first) soup.parts.emplace_back(name);
     soup.part_of_face.resize(soup.faces.size(), static_cast<std::uint32_t>(soup.parts.size()) - 1);
-    if (!is_keyword(word, "endsolid")) return misplaced(soup.faces.size(), word, "endsolid");
+    if (!is_keyword(word, "endsolid")) throw misplaced(soup.faces.size(), word, "endsolid");
     take_line(rest);
   }
   return soup;
@@ -129,14 +122,14 @@ Result<Soup> read_text(std::string_view file) {
 
 }  // namespace
 
-Result<Soup> read_stl(std::string_view file) {
+Soup read_stl(std::string_view file) {
   const std::optional<std::uint64_t> promised = promised_bytes(file);
   const auto facets_that_fit = promised ? (file.size() - binary_head_bytes) / binary_facet_bytes : std::size_t{0};
   // Also when it starts with "solid", as some binary files do.
   if (promised == file.size()) return read_binary(file, facets_that_fit);
   std::string_view rest = without_byte_order_mark(file);
   if (is_keyword(take_word(rest), "solid") && file.find('\0') == file.npos) return read_text(file);
-  if (!promised) return malformed("is neither a text nor a binary STL file");
+  if (!promised) throw malformed("is neither a text nor a binary STL file");
   if (const auto starts = facets_with_attributes(file); !starts.empty()) {
     return read_binary(file, starts.size(), starts);
   }
@@ -149,8 +142,8 @@ Result<Soup> read_stl(std::string_view file) {
   if (count == 0 && file.size() == binary_head_bytes + facets_that_fit * binary_facet_bytes) {
     return read_binary(file, facets_that_fit);
   }
-  return malformed("is no STL text, and as a binary file it promises " + std::to_string(*promised) + " bytes but has " +
-                   std::to_string(file.size()));
+  throw malformed("is no STL text, and as a binary file it promises " + std::to_string(*promised) + " bytes but has " +
+                  std::to_string(file.size()));
 }
 
 }  // namespace limber::io

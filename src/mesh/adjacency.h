@@ -12,7 +12,7 @@
 #include "geometry/primitives.h"
 #include "limber/mesh.h"
 
-/// Lists of items for each vertex of a mesh, and a loop over its edges.
+/// Lists of items for each vertex of a mesh, a loop over its edges, and whether they close it.
 namespace limber::mesh {
 
 /// A list of items for each vertex, one after the other in one array (CSR).
@@ -82,5 +82,11 @@ template <typename Visit>
 void for_each_edge(std::span<const Corners> triangles, std::size_t vertex_count, const Visit& visit) {
   for_each_edge(triangles, vertex_count, visit, [](std::size_t) { return true; });
 }
+
+/// Whether every edge, by vertex ids, belongs to exactly two triangles, which run through it in opposite directions.
+///
+/// Errors   `not_closed` for the first triangle with an edge of which that is not so, naming the edge.
+/// Cost     O(n log n) at worst, O(n) where few edges meet at a vertex; allocates 36 bytes a triangle and 8 a vertex.
+Result<void> check_closed(const Mesh& mesh);
 
 }  // namespace limber::mesh

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mesh/boundary.h"
 #include "mesh/updates.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -42,6 +42,33 @@ Result<void> check_new_positions(std::span<const Vec3> positions) {
         error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
   }
   return {};
+}
+
+/// The hash of the edge from v to w; that of the opposite edge is its negative, modulo 2^64. No branch depends on ids,
+/// which come in no order.
+std::uint64_t hash_of_edge(VertexId v, VertexId w) {
+  const std::uint64_t forward = std::uint64_t{v} << 32U | w, back = std::uint64_t{w} << 32U | v;
+  // Multiplications carry bits up, shifts bring them down, as in the finalizer of SplitMix64.
+  std::uint64_t hash = (forward < back ? forward : back) * 0xbf58'476d'1ce4'e5b9U;
+  hash = (hash ^ hash >> 32U) * 0x94d0'49bb'1331'11ebU;
+  hash ^= hash >> 29U;
+  const std::uint64_t is_back = forward > back ? 1 : 0, counts = forward != back ? 1 : 0;
+  return ((hash ^ (0 - is_back)) + is_back) & (0 - counts);
+}
+
+/// Whether each edge is run through as often in one direction as in the other; one from a vertex to itself does not
+/// count. True for all such triangles; for others with a probability of 2^-64.
+///
+/// Based on  the boundary of a chain of triangles: the sum of their directed edges, in which opposite ones cancel.
+/// Differs   Edges are replaced by 64-bit hashes, so that the sum is a number: 0 if the boundary is, and otherwise as
+///           good as random. A table of edges would tell for certain, at many times the cost of all else that is
+///           checked of a new mesh.
+bool has_no_boundary(std::span<const Corners> triangles) {
+  std::uint64_t sum = 0;
+  for (const Corners& c : triangles) {
+    sum += hash_of_edge(c[0], c[1]) + hash_of_edge(c[1], c[2]) + hash_of_edge(c[2], c[0]);
+  }
+  return sum == 0;
 }
 
 simd::Displacement displacements(std::span<const Vec3> from, std::span<const Vec3> to) {
@@ -153,12 +180,6 @@ Result<void> Mesh::set_positions(std::span<const Vec3> positions) {
   if (auto valid = check_update_of_all(*this, positions); !valid) return valid;
   MeshWriter::set_positions(*this, positions);
   return {};
-}
-
-void MeshWriter::set_position(Mesh& mesh, VertexId id, const Vec3& position) {
-  LIMBER_ASSERT(id < mesh.positions_.size());
-  LIMBER_ASSERT(is_finite(position) && max_abs(position) <= max_coordinate);
-  mesh.positions_[id] = position;
 }
 
 void MeshWriter::set_positions(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {

@@ -24,7 +24,6 @@ Result<double> check_displacements(const Mesh& mesh, std::span<const Vec3> posit
 
 /// Replaces positions of a mesh without checking them again. Pre: the update is valid.
 struct MeshWriter {
-  static void set_position(Mesh& mesh, VertexId id, const Vec3& position);
   static void set_positions(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions);
   static void set_positions(Mesh& mesh, std::span<const Vec3> positions);
 };

@@ -8,7 +8,7 @@
 #include "base/float_environment.h"
 #include "base/parallel.h"
 #include "limber/points.h"
-#include "mesh/closedness.h"
+#include "mesh/adjacency.h"
 #include "model/model_impl.h"
 #include "point/closest_point.h"
 #include "point/ray_crossings.h"

@@ -12,7 +12,6 @@
 #include "base/parallel.h"
 #include "limber/distance.h"
 #include "scene/scene_impl.h"
-#include "scene/searches.h"
 
 namespace limber {
 namespace {

@@ -13,9 +13,7 @@
 #include "base/float_environment.h"
 #include "base/parallel.h"
 #include "limber/distance.h"
-#include "scene/scene_cache_impl.h"
 #include "scene/scene_impl.h"
-#include "scene/searches.h"
 
 namespace limber {
 namespace {

@@ -12,7 +12,6 @@
 #include "base/parallel.h"
 #include "geometry/rigid.h"
 #include "scene/scene_impl.h"
-#include "scene/searches.h"
 
 namespace limber {
 namespace {

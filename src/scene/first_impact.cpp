@@ -15,7 +15,6 @@
 #include "limber/path.h"
 #include "motion/rigid/path_motion.h"
 #include "scene/scene_impl.h"
-#include "scene/searches.h"
 
 namespace limber {
 namespace {

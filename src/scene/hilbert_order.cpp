@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/hilbert_order.h"
+#include "scene/box_tree.h"
 
 #include <algorithm>
 #include <array>

@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "geometry/rigid.h"
 #include "scene/scene_impl.h"
-#include "scene/searches.h"
 
 namespace limber {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "limber/distance.h"
-#include "scene/scene_cache_impl.h"
+#include "scene/scene_impl.h"
 
 namespace limber {
 namespace {

@@ -14,9 +14,7 @@
 #include "base/parallel.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"
-#include "scene/scene_cache_impl.h"
 #include "scene/scene_impl.h"
-#include "scene/searches.h"
 
 namespace limber {
 namespace {

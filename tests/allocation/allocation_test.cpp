@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Queries do not touch the heap, and in real time updates do not either: ticks make no system call but to read the
-// clock, so they take no lock that may wait. What changes a scene does touch the heap, and each of its allocations fails once,
-// alone or with all that follow: afterwards the scene is as before the call, and the same call works.
+// clock, so they take no lock that may wait. What changes a scene does touch the heap, and each of its allocations
+// fails once, alone or with all that follow: afterwards the scene is as before the call, and the same call works.
 #include <gtest/gtest.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>

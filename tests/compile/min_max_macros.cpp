@@ -22,6 +22,5 @@
 #define max(a, b) (((a) > (b)) ? (a) : (b))
 #define min(a, b) (((a) < (b)) ? (a) : (b))
 
-#include "limber/classic.h"
 #include "limber/io.h"
 #include "limber/limber.h"

@@ -38,15 +38,15 @@ TEST_F(Errors, missing_file_and_folder_are_unreadable) {
   expect_unreadable(write("file", "v") / "below.obj", ": ");
   expect_unreadable("/dev/zero", ": ");
 #if !defined(_WIN32)
-  const fs::path secret = write("secret.obj", tetrahedron_obj());
+  const fs::path secret = write("secret.obj", tetrahedron("obj/plain.obj"));
   fs::permissions(secret, fs::perms::none);
   if (geteuid() != 0) expect_unreadable(secret, ": ");  // root may read everything
 #endif
 }
 
 TEST_F(Errors, unknown_extensions_are_named) {
-  refused("a.fbx", tetrahedron_obj(), ErrorCode::unsupported_format, ".fbx");
-  refused("obj", tetrahedron_obj(), ErrorCode::unsupported_format);
+  refused("a.fbx", tetrahedron("obj/plain.obj"), ErrorCode::unsupported_format, ".fbx");
+  refused("obj", tetrahedron("obj/plain.obj"), ErrorCode::unsupported_format);
   EXPECT_EQ(read("two\nlines.obj", "").error().text.find('\n'), std::string::npos);
 }
 
@@ -98,10 +98,10 @@ TEST_F(Errors, coordinates_that_are_not_finite_are_named) {
     const auto put = [](std::string bytes, std::size_t at, const std::string& number) {
       return bytes.replace(at, number.size(), number);
     };
-    const std::string ply = tetrahedron_ply_binary(false), big_ply = tetrahedron_ply_binary(true);
+    const std::string ply = tetrahedron("ply/little.ply"), big_ply = tetrahedron("ply/big.ply");
     expect_place("a.ply", put(ply, ply.find("end_header\n") + 11 + 16, little), ErrorCode::non_finite, 1);
     expect_place("a.ply", put(big_ply, big_ply.find("end_header\n") + 11 + 44, big), ErrorCode::non_finite, 3);
-    expect_place("a.stl", put(tetrahedron_stl_binary(), 84 + 50 + 12 + 12, little), ErrorCode::non_finite, 4);
+    expect_place("a.stl", put(tetrahedron("stl/binary.stl"), 84 + 50 + 12 + 12, little), ErrorCode::non_finite, 4);
     GltfParts gltf;
     gltf.buffer = put(gltf.buffer, 24, little);
     expect_place("a.glb", gltf.glb(), ErrorCode::non_finite, 2);
@@ -126,7 +126,7 @@ TEST_F(Errors, faces_that_name_missing_vertices_are_named) {
     expect_place("a.off", "OFF\n3 2 0\n" + lines, ErrorCode::index_out_of_range, 1);
     expect_place("a.ply", ply_header(3, 2) + lines, ErrorCode::index_out_of_range, 1);
   }
-  std::string ply = tetrahedron_ply_binary(true);
+  std::string ply = tetrahedron("ply/big.ply");
   ply.back() = 4;
   refused("a.ply", ply, ErrorCode::index_out_of_range);
   ply[ply.size() - 4] = '\xff';
@@ -160,16 +160,17 @@ TEST_F(Errors, broken_ply_files_are_malformed) {
   // Parts of a sound file, and what stands instead.
   std::istringstream changes(
       "ply>plx|format ascii 1.0>|ascii>utf8|element vertex 4>|vertex 4>vertex 4294967295|vertex 4>vertex -4|"
-      "vertex 4>vertex 99999999999999999999|face 4>face 4294967295|face 4>face 5|property double x>|"
-      "property double x>property half x|property double x>property list uchar double x|"
-      "property double y>property double x|uchar int>float int|uchar int>uchar float|uchar int>uchar int64|"
-      "vertex_indices>corners|end_header>|0 0 0.5>0 0 0,5|3 1 2 3>3 1 2|3 1 2 3>4000000000 1 2 3|"
+      "vertex 4>vertex 99999999999999999999|face 4>face 4294967295|face 4>face 5|property float x>|"
+      "property float x>property half x|property float x>property list uchar float x|"
+      "property float y>property float x|uchar int>float int|uchar int>uchar float|uchar int>uchar int64|"
+      "vertex_indices>corners|end_header>|0.25 0.5 1>0.25 0,5 1|3 2 0 3>3 2 0|3 1 2 3>4000000000 1 2 3|"
       "3 1 2 3>-3 1 2 3|3 1 2 3>3 1 2 x");
   for (std::string change; std::getline(changes, change, '|');) {
     const std::size_t cut = change.find('>');
-    refused("a.ply", with(tetrahedron_ply_ascii(), change.substr(0, cut), change.substr(cut + 1)));
+    refused("a.ply", with(tetrahedron("ply/text.ply"), change.substr(0, cut), change.substr(cut + 1)));
   }
-  const std::string two_of_a_name = with(tetrahedron_ply_ascii(), "element face", "property double z\nelement face");
+  const std::string two_of_a_name =
+      with(tetrahedron("ply/text.ply"), "element face", "property double z\nelement face");
   refused("a.ply", two_of_a_name, ErrorCode::malformed_file, "coordinate z");
 }
 
@@ -198,7 +199,7 @@ TEST_F(Errors, files_that_promise_gigabytes_are_refused_at_once) {
 }
 
 TEST_F(Errors, broken_stl_files_are_malformed) {
-  const std::string text = tetrahedron_stl_text(), binary = tetrahedron_stl_binary();
+  const std::string text = tetrahedron("stl/text.stl"), binary = tetrahedron("stl/binary.stl");
   refused("a.stl", text.substr(text.find('\n') + 1));
   for (const std::string part :
        {"facet", "normal", "normal 0", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"}) {

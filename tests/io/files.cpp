@@ -2,33 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
-#include <sstream>
-
 namespace limber {
-
-std::string tetrahedron_obj() {
-  return "# four corners\no tetrahedron\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-}
-
-std::string tetrahedron_ply_ascii() {
-  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
-         "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
-         "0 0 0\n1 0 0\n0 1 0\n0 0 0.5\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-}
-
-std::string tetrahedron_ply_binary(bool big_endian) {
-  std::string bytes = std::string("ply\nformat ") + (big_endian ? "binary_big_endian" : "binary_little_endian") +
-                      " 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                      "element face 4\nproperty list uchar int vertex_index\nend_header\n";
-  for (const Vec3& p : tetrahedron_positions) {
-    for (const double c : {p.x, p.y, p.z}) append(bytes, static_cast<float>(c), big_endian);
-  }
-  for (const Corners& corners : tetrahedron_triangles) {
-    append(bytes, std::uint8_t{3});
-    for (const VertexId v : corners) append(bytes, v, big_endian);
-  }
-  return bytes;
-}
 
 std::string ply_header(std::size_t vertex_count, std::size_t face_count) {
   return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertex_count) +
@@ -44,35 +18,6 @@ std::vector<std::pair<std::string, std::string>> triangle_files(const std::array
           {"a.ply", ply_header(3, 1) + lines},
           {"a.stl", "solid\nfacet normal 0 0 1 outer loop vertex " + a + " vertex " + b + " vertex " + c +
                         "\nendloop endfacet\nendsolid\n"}};
-}
-
-std::string tetrahedron_stl_text() {
-  std::ostringstream out;
-  out << "solid four corners\n";
-  for (const Corners& corners : tetrahedron_triangles) {
-    out << " facet normal 0 0 1\n  outer loop\n";
-    for (const VertexId v : corners) {
-      const Vec3& p = tetrahedron_positions[v];
-      out << "   vertex " << p.x << " " << p.y << " " << p.z << "\n";
-    }
-    out << "  endloop\n endfacet\n";
-  }
-  out << "endsolid four corners\n";
-  return out.str();
-}
-
-std::string tetrahedron_stl_binary() {
-  std::string bytes = "solid, and yet binary";
-  bytes.resize(80, ' ');
-  append(bytes, static_cast<std::uint32_t>(tetrahedron_triangles.size()));
-  for (const Corners& corners : tetrahedron_triangles) {
-    for (int axis = 0; axis < 3; ++axis) append(bytes, 0.0F);
-    for (const VertexId v : corners) {
-      for (std::size_t axis = 0; axis < 3; ++axis) append(bytes, static_cast<float>(tetrahedron_positions[v][axis]));
-    }
-    append(bytes, std::uint16_t{0});
-  }
-  return bytes;
 }
 
 std::string glb(std::string json, std::string buffer) {
@@ -112,34 +57,6 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-GltfParts varied_gltf() {
-  GltfParts parts;
-  parts.buffer.clear();
-  // Positions with a fourth number behind each, which the stride passes over.
-  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 1, 0}}) {
-    for (const double c : {p.x, p.y, p.z, 99.0}) append(parts.buffer, static_cast<float>(c));
-  }
-  parts.buffer += std::string(
-      "\0\1\2\3"
-      "\1\0\3\0",
-      8);  // from byte 64: four bytes, two 16-bit numbers
-  for (const float c : {5.0F, 6.0F, 7.0F, 8.0F, 9.0F, 10.0F}) append(parts.buffer, c);  // from byte 72
-  parts.views = R"([{"buffer":0,"byteLength":64,"byteStride":16},{"buffer":0,"byteOffset":64,"byteLength":4},)"
-                R"({"buffer":0,"byteOffset":68,"byteLength":4},{"buffer":0,"byteOffset":72,"byteLength":24}])";
-  parts.accessors = R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
-                    R"({"bufferView":1,"componentType":5121,"count":4,"type":"SCALAR"},)"
-                    R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":2,)"
-                    R"("indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}}},)"
-                    R"({"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,)"
-                    R"("indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3,"byteOffset":12}}}])";
-  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"mode":5},)"
-                     R"({"attributes":{"POSITION":2},"indices":1,"mode":6},)"
-                     R"({"attributes":{"POSITION":3}},{"attributes":{"POSITION":0},"indices":1,"mode":0}])";
-  parts.nodes = R"([{"children":[1],"translation":[0,0,10]},{"mesh":0,)"
-                R"("matrix":[2,0,0,0, 0,2,0,0, 0,0,2,0, 1,0,0,1]}])";
-  return parts;
-}
-
 GltfParts gltf_of(const std::vector<Vec3>& positions, const std::vector<Corners>& triangles) {
   GltfParts parts;
   const std::string position_bytes = std::to_string(12 * positions.size());
@@ -155,15 +72,12 @@ GltfParts gltf_of(const std::vector<Vec3>& positions, const std::vector<Corners>
 
 std::vector<std::pair<std::string, std::string>> tetrahedron_files() {
   const GltfParts parts = gltf_of(tetrahedron_positions, tetrahedron_triangles);
-  return {{"text.obj", tetrahedron_obj()},
-          {"text.off", "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 0.5\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"},
-          {"text.ply", tetrahedron_ply_ascii()},
-          {"little.ply", tetrahedron_ply_binary(false)},
-          {"big.ply", tetrahedron_ply_binary(true)},
-          {"text.stl", tetrahedron_stl_text()},
-          {"binary.stl", tetrahedron_stl_binary()},
-          {"binary.glb", parts.glb()},
-          {"text.gltf", parts.gltf()}};
+  std::vector<std::pair<std::string, std::string>> files{{"text.gltf", parts.gltf()}, {"binary.glb", parts.glb()}};
+  for (const std::string name : {"obj/plain.obj", "off/plain.off", "ply/text.ply", "ply/little.ply", "ply/big.ply",
+                                 "stl/text.stl", "stl/binary.stl", "stl/binary_called_solid.stl"}) {
+    files.emplace_back(name.substr(4), tetrahedron(name));
+  }
+  return files;
 }
 
 }  // namespace limber

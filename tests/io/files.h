@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -91,14 +92,14 @@ void append(std::string& bytes, Number number, bool big_endian = false) {
 }
 
 // The same tetrahedron in every format; the faces are outward and in the same order.
-inline const std::vector<Vec3> tetrahedron_positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.5}};
-inline const std::vector<Corners> tetrahedron_triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+inline const std::vector<Vec3> tetrahedron_positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.5, 1}};
+inline const std::vector<Corners> tetrahedron_triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
 
-std::string tetrahedron_obj();
-std::string tetrahedron_ply_ascii();
-std::string tetrahedron_ply_binary(bool big_endian);
-std::string tetrahedron_stl_text();
-std::string tetrahedron_stl_binary();
+/// The bytes of the tetrahedron from a file of fuzz/corpus.
+inline std::string tetrahedron(const std::string& name) {
+  std::ifstream file(std::filesystem::path(LIMBER_SOURCE_DIR) / "fuzz/corpus" / name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 /// The header of a text PLY file of float coordinates and lists of vertices.
 std::string ply_header(std::size_t vertex_count, std::size_t face_count);
@@ -145,11 +146,7 @@ struct GltfParts {
   }
 };
 
-/// One triangle for each accessor of positions: sparse positions, a view with a stride, a strip and a fan, below two
-/// levels of nodes.
-GltfParts varied_gltf();
-
-/// These triangles, in the same form.
+/// These triangles, as glTF.
 GltfParts gltf_of(const std::vector<Vec3>& positions, const std::vector<Corners>& triangles);
 
 /// The tetrahedron in every format, as (file name, bytes).

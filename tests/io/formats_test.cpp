@@ -45,10 +45,7 @@ TEST_F(Formats, every_format_gives_the_same_tetrahedron_from_disk_and_from_memor
     const std::string half = bytes.substr(0, bytes.size() / 2);
     const Result<MeshFile> damaged = read_mesh_bytes(std::as_bytes(std::span(half)), path(name));
     const Result<MeshFile> damaged_on_disk = read(name, half);
-    ASSERT_EQ(static_cast<bool>(damaged), static_cast<bool>(damaged_on_disk)) << name;
-    if (damaged) continue;
-    EXPECT_EQ(damaged.error().text, damaged_on_disk.error().text);
-    EXPECT_EQ(damaged.error().code, damaged_on_disk.error().code);
+    EXPECT_EQ(damaged ? "" : damaged.error().text, damaged_on_disk ? "" : damaged_on_disk.error().text) << name;
   }
   EXPECT_EQ(read_mesh_bytes({}, "empty.obj").error().text, "empty.obj: is empty");
   EXPECT_EQ(read_mesh_bytes({}, "no_extension").error().code, ErrorCode::unsupported_format);
@@ -104,7 +101,7 @@ TEST_F(Formats, parts_are_objects_or_groups_and_stay_apart_if_asked_to) {
 }
 
 TEST_F(Formats, stl_may_have_data_behind_facets_or_no_count_and_several_solids_and_capitals) {
-  const std::string plain = tetrahedron_stl_binary();
+  const std::string plain = tetrahedron("stl/binary.stl");
   std::string attributes = plain.substr(0, 84), uncounted = plain;
   for (std::size_t at = 84; at < plain.size(); at += 50) {
     attributes += plain.substr(at, 48) + std::string("\x04\0", 2) + "abcd";
@@ -117,11 +114,11 @@ TEST_F(Formats, stl_may_have_data_behind_facets_or_no_count_and_several_solids_a
   for (const std::string& bytes : {attributes.substr(0, attributes.size() - 1), attributes + "x", uncounted + "x"}) {
     refused("a.stl", bytes);
   }
-  std::string capitals = tetrahedron_stl_text();
+  std::string capitals = tetrahedron("stl/text.stl");
   for (char& c : capitals) c = static_cast<char>(std::toupper(c));
   std::vector<Corners> twice = expected.triangles();
   twice.insert(twice.end(), expected.triangles().begin(), expected.triangles().end());
-  expect_mesh("a.stl", tetrahedron_stl_text() + capitals, expected.positions(), twice);
+  expect_mesh("a.stl", tetrahedron("stl/text.stl") + capitals, expected.positions(), twice);
 }
 
 TEST_F(Formats, off_may_break_lines_anywhere_and_comments_normals_colors_and_textures_are_passed_over) {

@@ -57,20 +57,20 @@ TEST_F(Sequence, vertices_that_part_later_are_two_or_the_frame_is_refused) {
   expect_refused(first_alone, two_loose_triangles("7"), ErrorCode::changed_connectivity,
                  "frame 17 parts vertices 1 and 3 of the file");
   EXPECT_THROW(static_cast<void>(MeshSequence::open(std::vector<std::filesystem::path>())), std::invalid_argument);
-  EXPECT_EQ(MeshSequence::open(std::vector{files[0], write("2.obj", tetrahedron_obj())}).error().where, 1U);
+  EXPECT_EQ(MeshSequence::open(std::vector{files[0], write("2.obj", tetrahedron("obj/plain.obj"))}).error().where, 1U);
 }
 
 TEST_F(Sequence, closed_parts_of_stl_files_stay_closed_when_they_part) {
   const auto two_tetrahedra = [](const char* x) {
-    std::string moved = tetrahedron_stl_text();
+    std::string moved = tetrahedron("stl/text.stl");
     for (std::size_t at = 0; (at = moved.find("vertex ", at)) != moved.npos; at += 7) moved.insert(at + 7, x);
-    return tetrahedron_stl_text() + moved;  // vertices at 0 and 1 along x go to 10 and 11, or to -0 and -1
+    return tetrahedron("stl/text.stl") + moved;  // vertices at 0 and 1 along x go to 10 and 11, or to -0 and -1
   };
   const MeshSequence frames =
       MeshSequence::open(std::vector{write("0.stl", two_tetrahedra("-")), write("1.stl", two_tetrahedra("1"))}).value();
   EXPECT_EQ(frames.first().mesh.positions().size(), 8U);
   EXPECT_TRUE(frames.first().mesh.is_closed());
-  EXPECT_EQ(frames.first().parts, (std::vector<std::string>(2, "four corners")));
+  EXPECT_EQ(frames.first().parts, (std::vector<std::string>(2, "body")));
   EXPECT_EQ(frames.first().part_of_triangle, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1}));
 }
 
@@ -128,9 +128,10 @@ TEST_F(Sequence, every_format_can_be_a_frame_of_its_own_kind) {
 }
 
 TEST_F(Sequence, frames_that_collapse_to_a_point_keep_their_vertices) {
-  std::string stl = tetrahedron_stl_binary();
+  std::string stl = tetrahedron("stl/binary.stl");
   std::fill(stl.begin() + 84, stl.end(), '\0');
-  EXPECT_EQ(opened("0.stl", tetrahedron_stl_binary()).read_positions(write("1.stl", stl), 1).value(), Positions(4));
+  EXPECT_EQ(opened("0.stl", tetrahedron("stl/binary.stl")).read_positions(write("1.stl", stl), 1).value(),
+            Positions(4));
   const std::string glb = gltf_of(Positions(4), tetrahedron_triangles).glb();
   EXPECT_EQ(opened("0.glb", gltf_of(tetrahedron_positions, tetrahedron_triangles).glb())
                 .read_positions(write("1.glb", glb), 1)
@@ -141,7 +142,7 @@ TEST_F(Sequence, frames_that_collapse_to_a_point_keep_their_vertices) {
 TEST_F(Sequence, changed_counts_and_the_first_face_that_differs_are_named) {
   const MeshSequence two = opened("0.obj", two_loose_triangles("1"));
   for (const auto& [bytes, counts] : std::vector<std::pair<std::string, std::string>>{
-           {tetrahedron_obj(), "4 vertices and 4 faces"},
+           {tetrahedron("obj/plain.obj"), "4 vertices and 4 faces"},
            {two_loose_triangles("1") + "v 9 9 9\n", "7 vertices and 2 faces"},
            {two_loose_triangles("1") + "f 1 2\n", "6 vertices and 3 faces"}}) {
     expect_refused(two, bytes, ErrorCode::changed_connectivity,

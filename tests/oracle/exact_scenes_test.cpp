@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "reference/classic/classic.h"
 #include "support/counts.h"
 #include "support/exact_distance.h"
 #include "support/random_scene.h"

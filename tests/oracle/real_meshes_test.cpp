@@ -6,10 +6,10 @@
 
 #include <cmath>
 
-#include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/io.h"
 #include "limber/model.h"
+#include "reference/classic/classic.h"
 #include "scenes/scenes.h"
 #include "support/brute_force.h"
 #include "support/real_meshes.h"

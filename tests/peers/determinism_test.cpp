@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Answers that depended on the processor, on threads or on chance, and questions that never got one.
+// Answers that depended on the processor, on threads or on chance, questions that never got one, and work without need,
+// in counts that do not depend on the machine.
 #include <oneapi/tbb/task_arena.h>
 
 #include <bit>
@@ -16,13 +17,18 @@ namespace limber::testing {
 namespace {
 
 // Embree #51, #596, #149, Drake PR #14594, #14768: results differ between instruction sets, and tests with them.
-TEST(Determinism, AllInstructionSetsGiveOneResultToTheBit) {
+// Embree #520, CloudCompare #2247, Charm++ #3067: one question gets several answers. Embree #20: building on many
+// threads gives triangles other names in every run.
+TEST(Determinism, AllInstructionSetsAndAnyNumberOfThreadsGiveOneResultToTheBit) {
   std::vector<std::uint64_t> results;
   for (const simd::Kernels& set : simd::all_kernels()) {
     simd::use_kernels(&set);
     results.push_back(total(scenes::answer_hashes(1)));
   }
   simd::use_kernels(nullptr);
+  for (const int threads : {1, 2, 8, 8}) {
+    oneapi::tbb::task_arena(threads).execute([&] { results.push_back(total(scenes::answer_hashes(1))); });
+  }
   for (const std::uint64_t result : results) EXPECT_EQ(result, results.front());
 }
 
@@ -38,16 +44,6 @@ TEST(Determinism, DistancesHaveTheBitsThatAreWrittenHere) {
     add(closest_point({b, pose}, random_point(rng, 2)).closest->distance);
   }
   EXPECT_EQ(bits, 0xe160890c52257049U);
-}
-
-// Embree #520, CloudCompare #2247, Charm++ #3067: one question gets several answers. Embree #20: building on many
-// threads gives triangles other names in every run.
-TEST(Determinism, AnswersDoNotDependOnThreadsOrOnWhatWasAskedBefore) {
-  std::vector<std::uint64_t> results;
-  for (const int threads : {1, 2, 8, 8}) {
-    oneapi::tbb::task_arena(threads).execute([&] { results.push_back(total(scenes::answer_hashes(1))); });
-  }
-  for (const std::uint64_t result : results) EXPECT_EQ(result, results.front());
 }
 
 // Warp #1258: two queries in one kernel overwrite each other's stack. A query is asked in the middle of another one,
@@ -99,6 +95,55 @@ TEST(Determinism, ZeroDistanceIsAnOrdinaryAnswerThatComesSoon) {
   const ClosestPoints line = closest_points(Segment{{0, 0, 0}, {1, 0, 0}}, Segment{{1, 0, 0}, {2, 0, 0}});
   EXPECT_EQ(line.distance, 0);
   EXPECT_EQ(line.point_a, (Vec3{1, 0, 0}));
+}
+
+std::uint64_t steps(const QueryStats& stats) { return stats.node_tests + stats.primitive_tests; }
+
+// FCL #276: a distance costs ten to a hundred times as much as a collision. It takes fewer steps than a body has
+// triangles, and fewer yet where a rough one will do.
+TEST(Effort, OfADistanceIsBelowTheNumberOfTriangles) {
+  scenes::Rng rng(276);
+  const Model a(scenes::ring(60, 30, 0.3)), b(scenes::ball(48, 32));
+  const int poses = 60;
+  std::uint64_t exactly = 0, roughly = 0;
+  for (int i = 0; i < poses; ++i) {
+    const Placed there{b, random_pose(rng, 3)};
+    exactly += steps(distance({a}, there).stats);
+    roughly += steps(distance({a}, there, {.relative_error = 0.1}).stats);
+  }
+  EXPECT_LT(exactly / poses, a.mesh().triangles().size());
+  EXPECT_LT(roughly, exactly);
+}
+
+// Drake #15080, PR #15221: contact of a body that deforms compares all pairs, because trees are made for rigid meshes.
+TEST(Effort, ContactsOfABodyThatDeformsNeedNoPassOverAllPairs) {
+  const Mesh rest = scenes::ball(24, 16);
+  Model body(rest);
+  const Model floor(scenes::grid(20, 20, -2, -2, 0.2, 0.2));
+  const std::size_t all_pairs = rest.triangles().size() * floor.mesh().triangles().size();
+  for (int frame = 1; frame <= 5; ++frame) {
+    std::vector<Vec3> positions = rest.positions();
+    for (Vec3& p : positions) p.x += 0.08 * frame * p.y * p.z, p.z *= 1 + 0.08 * frame;
+    body.move_all(positions).value();
+    body.commit();
+    const Placed there{body, at(0, 0, 0.9)};
+    const PairCount found = contacts({floor}, there, 0.001, {});
+    EXPECT_EQ(found.count, reference::contacts(in_reference({floor}), in_reference(there), 0.001).size());
+    EXPECT_LT(steps(found.stats), all_pairs / 100) << frame;
+  }
+}
+
+// PhysX (Omniverse) #399: whether bodies are closer than a tolerance is asked by listing all pairs that are, which is
+// slow.
+TEST(Effort, AThresholdIsCheaperThanTheListOfPairsBelowIt) {
+  const Model a(scenes::ball(48, 32));
+  const Placed there{a, at(1.99, 0.05, 0.02)};
+  const CollideResult near = within({a}, there, 0.3);
+  const PairCount listed = contacts({a}, there, 0.3, {});
+  EXPECT_TRUE(near.is_yes());
+  EXPECT_GT(listed.count, 1000U);
+  EXPECT_LT(steps(near.stats), 200U);
+  EXPECT_LT(20 * steps(near.stats), steps(listed.stats));
 }
 
 }  // namespace

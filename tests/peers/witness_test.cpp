@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Closest points that were wrong, in the wrong frame, or not those of the distance.
-#include <limits>
+// Closest points that were wrong, in the wrong frame, or not those of the distance, and distances of the wrong sign.
 #include <optional>
 
 #include "limber/elements.h"
 #include "limber/points.h"
 #include "limber/scene.h"
 #include "peers.h"
+#include "support/rational_winding.h"
 
 namespace limber::testing {
 namespace {
@@ -66,27 +66,6 @@ TEST(WitnessPoints, OfManyCellsAndAnArmLieOnBothWhicheverComesFirst) {
   }
 }
 
-// FCL #171, #382: points come in the frame of the world for some bodies and in their own for others, and the tests look
-// at distances alone.
-TEST(WitnessPoints, AreInTheWorldForEveryKindOfPose) {
-  scenes::Rng rng(171);
-  const Model a(box({1, 2, 3})), b(scenes::ball(12, 8));
-  for (int i = 0; i < 60; ++i) {
-    const Transform pose_a = i % 3 == 0 ? Transform{} : random_pose(rng, 30);
-    const Transform pose_b = i % 3 == 1 ? Transform{} : random_pose(rng, 30);
-    agreed_distance({a, pose_a}, {b, pose_b}, 1e-12);
-    const Contact closest = [&] {
-      std::vector<Contact> one(1);
-      closest_pairs({a, pose_a}, {b, pose_b}, one);
-      return one.front();
-    }();
-    const Triangle t = placed_triangle({a, pose_a}, closest.triangle_a);
-    EXPECT_LE(closest_points(closest.point_a, t).distance, 1e-12);
-    const SurfacePoint on_a = closest_point({a, pose_a}, pose_b.translation).closest.value();
-    EXPECT_LE(closest_points(on_a.position, placed_triangle({a, pose_a}, on_a.triangle)).distance, 1e-12);
-  }
-}
-
 // FCL #393: the closest point on a flat face jumps from frame to frame. Nearly parallel faces have one closest corner,
 // however little they are tilted; a question that is repeated gets the point it got before; and the distance never
 // changes by more than the bodies move.
@@ -131,9 +110,9 @@ TEST(WitnessPoints, OfATinyBallInAFaceIsOnePointOfBoth) {
 TEST(WitnessPoints, OfATiltedSurfaceIsTheFootOfThePerpendicular) {
   const Model surface(scenes::grid(20, 20, -5, -5, 0.5, 0.5));
   const Vec3 left{-0.3, 0.1, 2}, right{0.4, -0.2, 3};
-  // The point itself, and a tip that is any corner of its triangle.
-  const Model point(triangles_of({{{}, {}, {}}})), tip0(triangles_of({{{}, left, right}}));
-  const Model tip1(triangles_of({{right, {}, left}})), tip2(triangles_of({{left, right, {}}}));
+  // A tip that is any corner of its triangle.
+  const Model tip0(triangles_of({{{}, left, right}})), tip1(triangles_of({{right, {}, left}})),
+      tip2(triangles_of({{left, right, {}}}));
   scenes::Rng rng(257);
   for (int i = 0; i < 100; ++i) {
     const Transform pose = random_pose(rng, 3);
@@ -143,7 +122,7 @@ TEST(WitnessPoints, OfATiltedSurfaceIsTheFootOfThePerpendicular) {
     const SurfacePoint found = closest_point({surface, pose}, tip_pose.translation).closest.value();
     EXPECT_NEAR(found.distance, height, 1e-14);
     expect_near(found.position, pose(foot), 1e-13);
-    for (const Model* tip : std::initializer_list<const Model*>{&point, &tip0, &tip1, &tip2}) {
+    for (const Model* tip : std::initializer_list<const Model*>{&tip0, &tip1, &tip2}) {
       const DistanceResult forth = distance({surface, pose}, {*tip, tip_pose});
       const DistanceResult back = distance({*tip, tip_pose}, {surface, pose});
       EXPECT_NEAR(forth.upper, height, 1e-14);
@@ -210,12 +189,7 @@ TEST(WitnessPoints, AreAbsentWhereNothingWasFound) {
   const Model cube(box({1, 1, 1}));
   QueryCache cache;
   EXPECT_TRUE(distance({cube}, {cube, at(1)}, {.cache = &cache}).witness.has_value());
-  const DistanceResult beyond = distance({cube}, {cube, at(9)}, {.max_distance = 1, .cache = &cache});
-  EXPECT_EQ(beyond.status, DistanceStatus::beyond_limit);
-  EXPECT_FALSE(beyond.witness.has_value());
-  EXPECT_EQ(beyond.upper, std::numeric_limits<double>::infinity());
-  EXPECT_FALSE(collide({cube}, {cube, at(9)}, {.cache = &cache}).witness.has_value());
-  EXPECT_FALSE(within({cube}, {cube, at(9)}, 1, {.cache = &cache}).witness.has_value());
+  EXPECT_FALSE(distance({cube}, {cube, at(9)}, {.max_distance = 1, .cache = &cache}).witness.has_value());
   EXPECT_FALSE(closest_point({cube}, {9, 0, 0}, {.max_distance = 1}).closest.has_value());
   // Lists are written as far as something was found, and no further.
   std::vector<Contact> list(100);
@@ -223,6 +197,82 @@ TEST(WitnessPoints, AreAbsentWhereNothingWasFound) {
   const std::size_t count = contacts({cube}, {cube, at(2.5)}, 0.75, list).count;
   ASSERT_LT(count, list.size());
   for (std::size_t i = 0; i < list.size(); ++i) EXPECT_EQ(list[i].distance == -7, i >= count);
+}
+
+std::vector<Triangle> all_triangles(const Mesh& mesh) {
+  std::vector<Triangle> triangles;
+  for (TriangleId id = 0; id < mesh.triangles().size(); ++id) triangles.push_back(mesh.triangle(id));
+  return triangles;
+}
+
+/// Signs agree with winding numbers in rational arithmetic, magnitudes with brute force.
+void expect_signed_distance(const ClosedSurface& surface, const Vec3& p) {
+  const Mesh& mesh = surface.model().mesh();
+  const SignedDistance found = surface.signed_distance(p);
+  const double truth = reference::closest_point({mesh}, p).closest->distance;
+  ASSERT_EQ(std::abs(found.distance()), truth);
+  if (truth == 0) {
+    EXPECT_FALSE(std::signbit(found.distance()));
+    return;
+  }
+  const int winding = rational_winding(all_triangles(mesh), p);
+  ASSERT_EQ(found.is_inside, winding != 0) << p.x << ' ' << p.y << ' ' << p.z;
+  EXPECT_EQ(surface.winding_number(p), winding);
+}
+
+// Open3D #5105: a point outside a cube is inside, because a ray from it meets an edge.
+TEST(Inside, IsRightWhereRaysMeetEdgesAndCorners) {
+  const Model cube(box({0, 0, 0}, {1, 1, 1}));
+  const ClosedSurface surface = ClosedSurface::create(cube).value();
+  EXPECT_EQ(surface.signed_distance({-1, -1, 0}).distance(), std::sqrt(2));
+  EXPECT_EQ(surface.signed_distance({-1, -1, -1}).distance(), std::sqrt(3));
+  EXPECT_EQ(surface.signed_distance({0.5, 0.5, 0.5}).distance(), -0.5);
+  // Two cubes as one surface, so that rays go on, and points between the cubes lie in the planes of faces.
+  const Model two(joined(cube.mesh(), box({2, 2, 2}, {3, 3, 3})));
+  const ClosedSurface both = ClosedSurface::create(two).value();
+  const auto is_between = [](int low, int high, const Vec3& p) {
+    return std::min({p.x, p.y, p.z}) >= low && std::max({p.x, p.y, p.z}) <= high;
+  };
+  for (int i = 0; i < 17 * 17 * 17; ++i) {
+    const Vec3 p = 0.25 * Vec3{i % 17 - 2.0, i / 17 % 17 - 2.0, i / (17 * 17) - 2.0};
+    ASSERT_EQ(surface.contains(p), is_between(0, 1, p)) << i;
+    ASSERT_EQ(both.contains(p), is_between(0, 1, p) || is_between(2, 3, p)) << i;
+  }
+}
+
+// axom #703, PR #706, CGAL #1288: wrong signs of points that are closest to an edge or a corner.
+TEST(Inside, IsRightWhereAnEdgeOrACornerIsClosest) {
+  scenes::Rng rng(703);
+  const Model tetrahedron(hull({{0, 0, 0}, {1, 0, 0.1}, {0.2, 1, 0}, {0.1, 0.3, 1}}));
+  const ClosedSurface surface = ClosedSurface::create(tetrahedron).value();
+  for (int i = 0; i < 1500; ++i) {
+    const Triangle t = tetrahedron.mesh().triangle(static_cast<TriangleId>(rng.below(4)));
+    const double u = rng.below(3) == 0 ? 0 : rng.uniform();
+    const Vec3 on_edge = t.v0 + u * (t.v1 - t.v0);
+    expect_signed_distance(surface, on_edge + std::pow(10.0, rng.uniform(-16, -0.5)) * random_point(rng, 1));
+  }
+}
+
+// axom #783, PR #784: wrong signs next to an edge with an acute angle between triangles of very different areas.
+// libigl #906: bumps where triangles are slivers.
+TEST(Inside, IsRightNextToSharpEdgesOfUnequalTriangles) {
+  scenes::Rng rng(783);
+  for (const double angle : {0.3, 1e-2, 1e-5, 1e-9}) {
+    for (const double small : {0.1, 1e-4, 1e-8}) {
+      // A blade along the y axis with its edge at the origin: two long sides that include the angle, a thin back.
+      const double h = 0.5 * angle;
+      const Model blade(
+          Mesh::create({{0, 0, 0}, {0, small, 0}, {10, 0, -h}, {10, 0, h}, {10, small, -h}, {10, small, h}},
+                       {{0, 1, 2}, {1, 4, 2}, {0, 3, 1}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}, {0, 2, 3}, {1, 5, 4}})
+              .value());
+      const ClosedSurface surface = ClosedSurface::create(blade).value();
+      for (int i = 0; i < 60; ++i) {
+        const double size = std::pow(10.0, rng.uniform(-12, 0));
+        const Vec3 along{i % 2 == 0 ? 0 : rng.uniform(0, 10), rng.uniform(0, small), 0};
+        expect_signed_distance(surface, along + size * random_point(rng, 1));
+      }
+    }
+  }
 }
 
 }  // namespace

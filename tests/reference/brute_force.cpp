@@ -3,7 +3,6 @@
 #include <limits>
 #include <vector>
 
-#include "base/arguments.h"
 #include "base/float_environment.h"
 #include "geometry/primitives.h"
 #include "reference/place.h"
@@ -36,8 +35,6 @@ CollideResult collide(const Placed& a, const Placed& b) {
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  base::check_options(options, "limber::reference::distance");
-  base::check_has_no_cache_or_budget(options, "limber::reference::distance");
   DistanceResult result;
   result.upper = infinity;
   const std::vector<Triangle> triangles_a = place(a), triangles_b = place(b);
@@ -63,7 +60,6 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 
 CollideResult within(const Placed& a, const Placed& b, double max_distance) {
   const base::DefaultFloatEnvironment environment;
-  base::check_max_distance(max_distance);
   CollideResult result;
   const DistanceResult closest = distance(a, b, {.max_distance = max_distance});
   result.stats = closest.stats;

@@ -46,26 +46,44 @@ struct Elements {
   Segment edge(EdgeId e) const { return {positions[edges[e][0]], positions[edges[e][1]]}; }
 };
 
-void add_vertex_face(const Elements& of_vertices, const Elements& of_faces, double margin, bool is_vertex_of_b,
-                     bool is_self, std::vector<VertexFacePair>& found) {
+/// Calls visit(vertex, face) for the vertices of one mesh and the faces of another, which do not name them where both
+/// are the same.
+template <typename Visit>
+void visit_vertex_faces(const Elements& of_vertices, const Elements& of_faces, const Visit& visit) {
   for (const VertexId v : of_vertices.vertices) {
     for (TriangleId t = 0; t < of_faces.faces.size(); ++t) {
-      if (is_self && of_faces.has(t, v)) continue;
-      const auto [distance, weights] = geometry::closest_on(of_faces.face(t), of_vertices.positions[v]);
-      if (distance <= margin) found.push_back({v, t, is_vertex_of_b, distance, weights});
+      if (&of_vertices != &of_faces || !of_faces.has(t, v)) visit(v, t);
     }
   }
 }
 
-void add_edge_edge(const Elements& a, const Elements& b, double margin, bool is_self,
-                   std::vector<EdgeEdgePair>& found) {
+/// Calls visit(edge of a, edge of b), which share no vertex where both are the same.
+template <typename Visit>
+void visit_edge_edges(const Elements& a, const Elements& b, const Visit& visit) {
+  const bool is_self = &a == &b;
   for (EdgeId i = 0; i < a.edges.size(); ++i) {
     for (EdgeId j = is_self ? i + 1 : 0; j < b.edges.size(); ++j) {
-      if (is_self && Elements::share(a.edges[i], b.edges[j])) continue;
-      const auto [distance, s, t] = geometry::closest_on(a.edge(i), b.edge(j));
-      if (distance <= margin) found.push_back({i, j, distance, s, t});
+      if (!is_self || !Elements::share(a.edges[i], b.edges[j])) visit(i, j);
     }
   }
+}
+
+/// Pairs of a and b, which may be the same.
+ElementPairs pairs_of(const Elements& a, const Elements& b, double margin) {
+  ElementPairs found;
+  const auto add_vertex_faces = [&](const Elements& of_vertices, const Elements& of_faces, bool is_vertex_of_b) {
+    visit_vertex_faces(of_vertices, of_faces, [&](VertexId v, TriangleId t) {
+      const auto [distance, weights] = geometry::closest_on(of_faces.face(t), of_vertices.positions[v]);
+      if (distance <= margin) found.vertex_face.push_back({v, t, is_vertex_of_b, distance, weights});
+    });
+  };
+  add_vertex_faces(a, b, false);
+  if (&a != &b) add_vertex_faces(b, a, true);
+  visit_edge_edges(a, b, [&](EdgeId i, EdgeId j) {
+    const auto [distance, s, t] = geometry::closest_on(a.edge(i), b.edge(j));
+    if (distance <= margin) found.edge_edge.push_back({i, j, distance, s, t});
+  });
+  return found;
 }
 
 /// Elements at the start and at the end of a motion.
@@ -79,29 +97,25 @@ struct MotionOfElements {
   MovingSegment edge(EdgeId e) const { return {start.edge(e), end.edge(e)}; }
 };
 
-void add_vertex_face(const MotionOfElements& of_vertices, const MotionOfElements& of_faces, bool is_face_first,
-                     bool is_self, const ElementImpactOptions& options, std::vector<Impact>& found) {
-  for (const VertexId v : of_vertices.start.vertices) {
-    for (TriangleId t = 0; t < of_faces.start.faces.size(); ++t) {
-      if (is_self && of_faces.start.has(t, v)) continue;
-      const ElementImpact time = time_of_impact(of_vertices.vertex(v), of_faces.face(t), options);
-      if (time.status == ImpactStatus::clear) continue;
-      found.push_back({is_face_first ? ElementPair{ElementPair::Kind::face_vertex, t, v}
-                                     : ElementPair{ElementPair::Kind::vertex_face, v, t},
-                       time});
-    }
+/// Impacts of a and b, which may be the same.
+std::vector<Impact> impacts_of(const MotionOfElements& a, const MotionOfElements& b,
+                               const ElementImpactOptions& options) {
+  std::vector<Impact> found;
+  const auto add = [&](const ElementPair& pair, const ElementImpact& time) {
+    if (time.status != ImpactStatus::clear) found.push_back({pair, time});
+  };
+  visit_vertex_faces(a.start, b.start, [&](VertexId v, TriangleId t) {
+    add({ElementPair::Kind::vertex_face, v, t}, time_of_impact(a.vertex(v), b.face(t), options));
+  });
+  if (&a != &b) {
+    visit_vertex_faces(b.start, a.start, [&](VertexId v, TriangleId t) {
+      add({ElementPair::Kind::face_vertex, t, v}, time_of_impact(b.vertex(v), a.face(t), options));
+    });
   }
-}
-
-void add_edge_edge(const MotionOfElements& a, const MotionOfElements& b, bool is_self,
-                   const ElementImpactOptions& options, std::vector<Impact>& found) {
-  for (EdgeId i = 0; i < a.start.edges.size(); ++i) {
-    for (EdgeId j = is_self ? i + 1 : 0; j < b.start.edges.size(); ++j) {
-      if (is_self && Elements::share(a.start.edges[i], b.start.edges[j])) continue;
-      const ElementImpact time = time_of_impact(a.edge(i), b.edge(j), options);
-      if (time.status != ImpactStatus::clear) found.push_back({{ElementPair::Kind::edge_edge, i, j}, time});
-    }
-  }
+  visit_edge_edges(a.start, b.start, [&](EdgeId i, EdgeId j) {
+    add({ElementPair::Kind::edge_edge, i, j}, time_of_impact(a.edge(i), b.edge(j), options));
+  });
+  return found;
 }
 
 void check_pose(const Placed& placed) {
@@ -114,39 +128,23 @@ ElementPairs element_pairs(const Placed& a, const Placed& b, double margin) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::reference::element_pairs");
   check_pose(a), check_pose(b);
-  const Elements of_a(a), of_b(b);
-  ElementPairs found;
-  add_vertex_face(of_a, of_b, margin, false, false, found.vertex_face);
-  add_vertex_face(of_b, of_a, margin, true, false, found.vertex_face);
-  add_edge_edge(of_a, of_b, margin, false, found.edge_edge);
-  return found;
+  return pairs_of(Elements(a), Elements(b), margin);
 }
 
 ElementPairs self_element_pairs(MeshView mesh, double margin) {
   const base::DefaultFloatEnvironment environment;
   base::check_margin(margin, "limber::reference::self_element_pairs");
   const Elements elements({mesh});
-  ElementPairs found;
-  add_vertex_face(elements, elements, margin, false, true, found.vertex_face);
-  add_edge_edge(elements, elements, margin, true, found.edge_edge);
-  return found;
+  return pairs_of(elements, elements, margin);
 }
 
 std::vector<Impact> impacts(const MovingMesh& a, const MovingMesh& b, const ElementImpactOptions& options) {
-  const MotionOfElements of_a(a), of_b(b);
-  std::vector<Impact> found;
-  add_vertex_face(of_a, of_b, false, false, options, found);
-  add_vertex_face(of_b, of_a, true, false, options, found);
-  add_edge_edge(of_a, of_b, false, options, found);
-  return found;
+  return impacts_of(MotionOfElements(a), MotionOfElements(b), options);
 }
 
 std::vector<Impact> self_impacts(const MovingMesh& mesh, const ElementImpactOptions& options) {
   const MotionOfElements elements(mesh);
-  std::vector<Impact> found;
-  add_vertex_face(elements, elements, false, true, options, found);
-  add_edge_edge(elements, elements, true, options, found);
-  return found;
+  return impacts_of(elements, elements, options);
 }
 
 }  // namespace limber::reference

@@ -74,13 +74,6 @@ TEST(Scenes, TwoHundredDentsGiveTheKnownSheet) {
   EXPECT_EQ(hash(sheet), 0xba587062faec7597U);
 }
 
-TEST(Scenes, BallIsClosedAndOnTheUnitSphere) {
-  const Mesh mesh = ball(8, 5);
-  EXPECT_EQ(mesh.triangles().size(), 2U * 8 * (5 - 1));
-  for (const Vec3& p : mesh.positions()) EXPECT_NEAR(length(p), 1, 4e-16);
-  expect_sound(mesh);
-}
-
 TEST(Scenes, RingIsClosedAndOnItsTube) {
   const Mesh mesh = ring(7, 5, 0.25);
   EXPECT_EQ(mesh.triangles().size(), 2U * 7 * 5);
@@ -93,30 +86,6 @@ TEST(Scenes, SineAndCosineAreAccurate) {
     const double x = 0.01 * i;
     EXPECT_NEAR(sine(x), std::sin(x), 4e-15) << x;
     EXPECT_NEAR(cosine(x), std::cos(x), 4e-15) << x;
-  }
-}
-
-TEST(Scenes, RngGivesTheSplitmixSequence) {
-  Rng rng(1234567);
-  EXPECT_EQ(rng.next(), 6457827717110365317U);
-  EXPECT_EQ(rng.next(), 3203168211198807973U);
-  EXPECT_EQ(rng.next(), 9817491932198370423U);
-}
-
-TEST(Dents, MoveExactlyTheVerticesWithinTheRadiusInProportion) {
-  const Mesh sheet = grid(10, 10, 0, 0, 1, 1);
-  const Dent dent{.x = 5, .y = 5, .radius = 2, .slope = -0.25};
-  const VertexMoves moves = dent_moves(dent, sheet.positions());
-  EXPECT_EQ(moves.ids.size(), 13U);  // lattice points within 2, the four at exactly 2 included
-  EXPECT_TRUE(std::is_sorted(moves.ids.begin(), moves.ids.end()));
-  const Mesh dented = moved(sheet, moves);
-  for (std::size_t v = 0; v < sheet.positions().size(); ++v) {
-    const Vec3& before = sheet.positions()[v];
-    const double distance = std::hypot(before.x - 5, before.y - 5);
-    const double shift = distance <= 2 ? -0.25 * distance : 0;
-    EXPECT_NEAR(dented.positions()[v].z, before.z + shift, 1e-15);
-    EXPECT_EQ(dented.positions()[v].x, before.x);
-    EXPECT_EQ(dented.positions()[v].y, before.y);
   }
 }
 
@@ -238,32 +207,6 @@ TEST(Planning, DetailMultipliesTheTriangles) {
   }
 }
 
-TEST(Planning, AlphaTubesAreOfThinTriangles) {
-  for (const auto& [detail, sides] : {std::pair{1, 42U}, std::pair{10, 133U}}) {
-    const Mesh tube = alpha_puzzle(detail).robot;
-    const std::size_t caps = 2 * (sides - 2);  // the last triangles
-    double least = std::numeric_limits<double>::infinity();
-    for (TriangleId t = 0; t < tube.triangles().size() - caps; ++t) {
-      const Triangle c = tube.triangle(t);
-      const double edge_sq = std::max({length_sq(c.v1 - c.v0), length_sq(c.v2 - c.v1), length_sq(c.v0 - c.v2)});
-      least = std::min(least, edge_sq / (2 * area(c)));  // the longest edge over the height on it
-    }
-    EXPECT_GT(least, 20) << detail;
-  }
-}
-
-TEST(Planning, BugFitsThroughTheNeckOfItsTrap) {
-  const auto [trap, bug] = bug_trap();
-  const auto from_axis = [](const Vec3& p) { return p.x * p.x + p.y * p.y; };
-  double neck_sq = 1, bug_sq = 0;
-  for (const Vec3& p : trap.positions()) {
-    if (p.z >= 0 && p.z < 0.8) neck_sq = std::min(neck_sq, from_axis(p));
-  }
-  for (const Vec3& p : bug.positions()) bug_sq = std::max(bug_sq, from_axis(p));
-  EXPECT_NEAR(neck_sq, 0.2 * 0.2, 1e-12);
-  EXPECT_LT(bug_sq, 0.16 * 0.16);
-}
-
 TEST(Surfaces, HaveTheVolumesOfTheirSolids) {
   EXPECT_NEAR(volume(boxes({{{0, 0, 0}, {1, 2, 3}}, {{1, 2, 3}, {2, 3, 4}}})), 7, 1e-14);
   EXPECT_NEAR(volume(loft({circle(4, 1, 0), circle(4, 1, 3)}, Ends::capped)), 6, 1e-14);
@@ -273,17 +216,6 @@ TEST(Surfaces, HaveTheVolumesOfTheirSolids) {
   EXPECT_NEAR(volume(loft(circles_along(bar, 3, 4, 1), Ends::capped)), 2 * std::sqrt(26.0), 1e-13);
   const Transform moved = {{{0, -2, 0}, {2, 0, 0}, {0, 0, 2}}, {1, 2, 3}};
   EXPECT_NEAR(volume(together({lathe(spindle, 4), lathe(spindle, 4)}, moved)), 8 * 8.0 / 3, 1e-13);
-}
-
-TEST(Surfaces, AreClosed) {
-  expect_sound(boxes({{{0, 0, 0}, {1, 2, 3}}, {{1, 2, 3}, {2, 3, 4}}}));
-  expect_sound(loft({circle(5, 1, 0), circle(5, 1, 1), circle(5, 0.5, 1), circle(5, 0.5, 0)}, Ends::joined));
-  expect_sound(lathe({{0, 0}, {1, 0}, {0, 1}}, 3, 2));
-  const auto round = [](double t) { return Vec3{cosine(2 * std::numbers::pi * t), sine(2 * std::numbers::pi * t), 0}; };
-  const Mesh torus = loft(circles_along(round, 40, 30, 0.2, Ends::joined), Ends::joined);
-  expect_sound(torus);
-  EXPECT_EQ(torus.triangles().size(), 2U * 40 * 30);
-  for (const Vec3& p : torus.positions()) EXPECT_NEAR(std::hypot(std::hypot(p.x, p.y) - 1, p.z), 0.2, 1e-12);
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "reference/classic/classic.h"
 #include "reference/reference.h"
 
 /// The three engines behind one interface, for tests that hold for all of them.
@@ -39,7 +39,6 @@ struct ReferenceEngine {
 };
 
 using Engines = ::testing::Types<FastEngine, ClassicEngine, ReferenceEngine>;
-using MovingEngines = ::testing::Types<FastEngine, ClassicEngine>;  // those whose models are updated
 
 struct EngineNames {
   template <typename Engine>

@@ -29,7 +29,6 @@
 #include "base/rounding.h"
 #include "bvh/tree.h"
 #include "limber/base.h"
-#include "limber/classic.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/elements.h"
@@ -190,7 +189,6 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   };
   Model model_a(s.mesh_a);
   const Model model_b(s.mesh_b);
-  const classic::Model classic_a(s.mesh_a), classic_b(s.mesh_b);
   const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
   put_distance(distance(a, b));
   put_distance(distance(a, b, {.relative_error = 0.25}));
@@ -202,10 +200,6 @@ std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
   const CollideResult near = within(a, b, limit), near_again = within(a, b, limit, {.cache = &third});
   put(near.is_yes()), put(near.witness.value_or(Witness{}).point_a.y);
   put(near_again.is_yes()), put(near_again.witness.value_or(Witness{}).point_a.y);
-  put_distance(classic::distance({classic_a, s.pose_a}, {classic_b, s.pose_b}));
-  put(classic::collide({classic_a, s.pose_a}, {classic_b, s.pose_b}).is_yes());
-  const CollideResult classic_near = classic::within({classic_a, s.pose_a}, {classic_b, s.pose_b}, limit);
-  put(classic_near.is_yes()), put(classic_near.witness.value_or(Witness{}).point_b.z);
   std::vector<Contact> found(100);
   const std::size_t count = contacts(a, b, limit, found).count;
   put(count), put(found[0].point_a.x), put(found[0].normal.z);

@@ -199,6 +199,17 @@ Resultant resultant_of(const Placed& a, const Placed& b, double margin, const Ve
 
 double cosine_between(const Vec3& v, const Vec3& w) { return dot(scaled_to_one(v), scaled_to_one(w)); }
 
+/// Expects that the contacts of what meets lead b out of a. Returns their sum.
+Vec3 expect_parted(const Placed& a, const Placed& b, const Vec3& out, double least_cosine = 0.99,
+                   double least_of_outward = 0) {
+  const Resultant r = resultant_of(a, b, 0.002, out);
+  EXPECT_EQ(r.unknown + r.backwards, 0U);
+  if (r.intersecting == 0) return {};
+  for (const Vec3& sum : {r.sum, r.weighted}) EXPECT_GE(cosine_between(sum, out), least_cosine);
+  EXPECT_GE(cosine_between(r.sum_of_outward, out), least_of_outward);
+  return r.sum;
+}
+
 TEST(ContactSides, OfTwoBallsPartThem) {
   Rng rng(433);
   std::size_t scenes_that_meet = 0;
@@ -208,16 +219,10 @@ TEST(ContactSides, OfTwoBallsPartThem) {
       for (int turn = 0; turn < 4; ++turn) {
         SCOPED_TRACE(std::to_string(slices) + " slices, depth " + std::to_string(depth));
         const Vec3 out = scaled_to_one(uniform_point(rng));
-        const Placed placed_a{a, {scenes::random_rotation(rng), {}}};
-        const Placed placed_b{b, {scenes::random_rotation(rng), out * (2 - depth)}};
-        const Resultant r = resultant_of(placed_a, placed_b, 0.002, out);
-        if (r.intersecting == 0) continue;  // flat faces do not reach as far as balls
-        ++scenes_that_meet;
-        EXPECT_EQ(r.backwards, 0U);
-        EXPECT_EQ(r.unknown, 0U);
-        EXPECT_GE(cosine_between(r.sum, out), 0.99);
-        EXPECT_GE(cosine_between(r.weighted, out), 0.99);
-        EXPECT_GE(cosine_between(r.sum_of_outward, out), 0.99);
+        const Transform pose_a{scenes::random_rotation(rng), {}};
+        const Transform pose_b{scenes::random_rotation(rng), out * (2 - depth)};
+        // Flat faces do not reach as far as balls.
+        scenes_that_meet += expect_parted({a, pose_a}, {b, pose_b}, out, 0.99, 0.99) == Vec3{} ? 0 : 1;
       }
     }
   }
@@ -266,20 +271,14 @@ TEST(ContactSides, OfACrateThatTouchesAFloorAreTheFloors) {
 }
 
 TEST(ContactSides, OfOneClosedBodyOrTwoPartWhatMeets) {
-  const auto expect_parted = [](const Placed& a, const Placed& b, const Vec3& out, double least_cosine = 0.99) {
-    const Resultant r = resultant_of(a, b, 0.002, out);
-    EXPECT_EQ(r.unknown + r.backwards, 0U);
-    EXPECT_GE(cosine_between(r.sum, out), least_cosine);
-    return r.sum;
-  };
   const Mesh mesh = scenes::ball(30, 20);
   const Model ring(scenes::ring(48, 24, 0.4)), cloth(scenes::grid(40, 40, -2, -2, 0.1, 0.1));
   const Model ball(mesh), hollow(turned_inside_out(mesh)), small(scaled(mesh, 0.4));
   EXPECT_FALSE(cloth.mesh().is_closed());
   for (const double depth : {0.01, 0.1, 0.3}) {
     SCOPED_TRACE(depth);
-    expect_parted({ring}, {ring, {{}, {0.0123, 0.02, 0.8 - depth}}}, {0, 0, 1});
-    expect_parted({ring}, {ring, {{}, {2.8 - depth, 0.01, 0.02}}}, {1, 0, 0});
+    EXPECT_GT(expect_parted({ring}, {ring, {{}, {0.0123, 0.02, 0.8 - depth}}}, {0, 0, 1}).z, 0);
+    EXPECT_GT(expect_parted({ring}, {ring, {{}, {2.8 - depth, 0.01, 0.02}}}, {1, 0, 0}).x, 0);
   }
   Rng rng(434);
   for (const double through : {0.01, 0.05, 0.2, 0.5}) {
@@ -287,11 +286,14 @@ TEST(ContactSides, OfOneClosedBodyOrTwoPartWhatMeets) {
     const Transform above{scenes::random_rotation(rng), {0.01, 0.02, 1 - through}};
     const Vec3 over = expect_parted({cloth}, {ball, above}, {0, 0, 1});
     const Vec3 under = expect_parted({ball, above}, {cloth}, {0, 0, -1});
+    EXPECT_GT(over.z, 0);
     EXPECT_LE(max_abs(under + over), 1e-12);
   }
   // A cave pushes the cloth, and a ball that is stuck in its wall, inward.
-  expect_parted({cloth}, {hollow, {{}, {0.013, 0.021, 0.8}}}, {0, 0, -1});
-  for (const double at : {0.65, 0.8}) expect_parted({hollow}, {small, {{}, {at, 0.01, 0.02}}}, {-1, 0, 0}, 0.98);
+  EXPECT_LT(expect_parted({cloth}, {hollow, {{}, {0.013, 0.021, 0.8}}}, {0, 0, -1}).z, 0);
+  for (const double at : {0.65, 0.8}) {
+    EXPECT_LT(expect_parted({hollow}, {small, {{}, {at, 0.01, 0.02}}}, {-1, 0, 0}, 0.98).x, 0);
+  }
 }
 
 TEST(ContactSides, OfOpenMeshesAreUnknownUnlessAskedFor) {

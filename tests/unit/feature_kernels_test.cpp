@@ -17,6 +17,7 @@
 #include "geometry/primitives.h"
 #include "geometry/segment_distance.h"
 #include "geometry/triangle_contact.h"
+#include "limber/contacts.h"
 #include "pair/frames.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
@@ -146,52 +147,32 @@ auto values_of(const TriangleContact& c) {
                     c.feature_b, c.normal_side);
 }
 
-/// A few pairs, each with random outsides.
-struct OrientedPairs {
-  std::vector<std::pair<Triangle, Triangle>> triangles;
-  std::vector<OrientedFaces> oriented;
-
-  OrientedPairs(Rng& rng, PairKind kind) {
-    for (std::size_t i = 0; i < geometry::ContactBatch::room; ++i) {
-      triangles.push_back(random_pair(rng, kind));
-      constexpr OrientedFaces ways[] = {OrientedFaces::none, OrientedFaces::of_a, OrientedFaces::of_b,
-                                        OrientedFaces::both};
-      oriented.push_back(ways[rng.below(4)]);
-    }
-  }
-  /// The contacts of the first `count`, found together.
-  std::vector<TriangleContact> contacts(std::size_t count, double farthest) const {
-    geometry::ContactBatch batch;
-    for (std::size_t i = 0; i < count; ++i) batch.add(triangles[i].first, triangles[i].second, oriented[i]);
-    batch.find_crossings();
-    std::vector<TriangleContact> found;
-    for (std::uint32_t i = 0; i < batch.size(); ++i) found.push_back(batch.contact(i, farthest));
-    return found;
-  }
-};
-
-TEST_P(CompareFeatures, ContactsDoNotDependOnInstructionSetsNorOnTheOtherPairs) {
+TEST_P(CompareFeatures, ContactsFoundTogetherAreThoseOfEachPairOnEveryInstructionSet) {
   Rng rng(1503);
-  for (int round = 0; round < 500; ++round) {
-    const OrientedPairs pairs(rng, GetParam());
-    const double farthest = round % 2 == 0 ? 1 : 0;
-    std::vector<TriangleContact> expected;
-    simd::use_kernels(&simd::scalar_kernels);
-    for (std::size_t i = 0; i < pairs.triangles.size(); ++i) {
-      const auto& [t, u] = pairs.triangles[i];
-      expected.push_back(geometry::contact(t, u, pairs.oriented[i], farthest));
+  constexpr OrientedFaces ways[] = {OrientedFaces::none, OrientedFaces::of_a, OrientedFaces::of_b, OrientedFaces::both};
+  int found = 0;
+  for (int round = 0; round < 150; ++round) {
+    std::vector<Triangle> of_a, of_b;
+    for (std::uint64_t i = 0, count = 1 + rng.below(8); i < count; ++i) {
+      const auto [t, u] = random_pair(rng, GetParam());
+      of_a.push_back(t), of_b.push_back(u);
     }
+    const Model a(soup(of_a)), b(soup(of_b));
+    const OrientedFaces oriented = ways[rng.below(4)];
     for (const simd::Kernels& set : simd::all_kernels()) {
-      simd::use_kernels(&set);
-      const std::size_t count = 1 + static_cast<std::size_t>(round) % expected.size();
-      const std::vector<TriangleContact> found = pairs.contacts(count, farthest);
-      ASSERT_EQ(found.size(), count);
-      for (std::size_t i = 0; i < count; ++i) {
-        ASSERT_EQ(values_of(found[i]), values_of(expected[i])) << set.name << ", pair " << i << " of round " << round;
-      }
+      visit_contacts({a}, {b}, round % 2,
+                     [&](const Contact& c) {
+                       simd::use_kernels(&simd::scalar_kernels);
+                       const TriangleContact alone = contact(of_a[c.triangle_a], of_b[c.triangle_b], oriented);
+                       simd::use_kernels(&set);
+                       EXPECT_EQ(values_of(c), values_of(alone)) << set.name << ", round " << round;
+                       return ++found, !HasFailure();
+                     },
+                     {.oriented_faces = oriented});
     }
     simd::use_kernels(nullptr);
   }
+  EXPECT_GT(found, 1000);
 }
 
 /// Pairs that the kernel calls certain intersect, and most pairs that intersect are certain.

@@ -176,6 +176,19 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   EXPECT_EQ(front.bound_of(front.records()[record]), 1);
 }
 
+TEST(Front, IsDroppedWhenIncomplete) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  const PlacedPair placed({square}, {ball});
+  for (const bool is_finished : {true, false}) {  // false: as it would be after an exception
+    Front front;
+    front.begin(placed, a_from_b(placed));
+    front.add({0, 0}, Side::a);
+    if (is_finished) front.finish(1);
+    front.begin(placed, a_from_b(placed));
+    EXPECT_EQ(front.records().size(), is_finished ? 1U : 0U);
+  }
+}
+
 TEST(Front, HasRoomForAThousandRecordsAndCountsWhatHasNone) {
   const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
   const PlacedPair placed({square}, {ball});

@@ -14,8 +14,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/rounding.h"
 #include "bvh/tree.h"
-#include "geometry/primitives.h"
 #include "reference/reference.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"
@@ -184,7 +184,11 @@ void expect_spheres_hold(const Model& model) {
     const std::vector<Sphere> spheres = model.node_spheres(level);
     count += spheres.size();
     for (TriangleId t = 0; t < model.mesh().triangles().size(); ++t) {
-      const auto holds = [&](const Sphere& sphere) { return geometry::contains(sphere, model.mesh().triangle(t)); };
+      const Triangle triangle = model.mesh().triangle(t);
+      const auto holds = [&](const Sphere& sphere) {
+        const auto has = [&](const Vec3& p) { return base::distance_up(sphere.center, p) <= sphere.radius; };
+        return has(triangle.v0) && has(triangle.v1) && has(triangle.v2);
+      };
       ASSERT_TRUE(std::any_of(spheres.begin(), spheres.end(), holds)) << "level " << level << ", triangle " << t;
     }
   }

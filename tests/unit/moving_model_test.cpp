@@ -26,11 +26,11 @@ constexpr double no_time = std::numeric_limits<double>::infinity();
 Transform shifted(const Vec3& by) { return {{}, by}; }
 
 /// A model and its motion.
-struct Body {
+struct MovingBody {
   Model model;
   MovingModel moving;
 
-  explicit Body(const Mesh& mesh, const ModelOptions& options = {}) : model(mesh, options), moving(model) {
+  explicit MovingBody(const Mesh& mesh, const ModelOptions& options = {}) : model(mesh, options), moving(model) {
     shift({}, {});
   }
   /// Goes from one place to another without a change of shape.
@@ -44,8 +44,8 @@ Mesh cube() { return box_mesh({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}); }
 Mesh plate() { return scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3); }
 
 /// A box that falls through a plate: its lower face is at 2 - 4 t.
-struct MovingBodies : ::testing::Test {
-  MovingBodies() { box.shift({0, 0, 2.5}, {0, 0, -1.5}); }
+struct FallingBox : ::testing::Test {
+  FallingBox() { box.shift({0, 0, 2.5}, {0, 0, -1.5}); }
 
   ImpactResult ask(const ImpactOptions& options = {}) const {
     return time_of_impact(box.moving, floor.moving, options);
@@ -54,10 +54,10 @@ struct MovingBodies : ::testing::Test {
     return visit_impacts(box.moving, floor.moving, visitor, options);
   }
 
-  Body box{cube()}, floor{plate()};
+  MovingBody box{cube()}, floor{plate()};
 };
 
-TEST_F(MovingBodies, FallOnAPlate) {
+TEST_F(FallingBox, FallsOnAPlate) {
   box.shift({0.1, 0.2, 2.5}, {0.1, 0.2, -1.5});
   for (const bool is_swapped : {false, true}) {
     const ImpactResult found = is_swapped ? time_of_impact(floor.moving, box.moving) : ask();
@@ -90,7 +90,7 @@ TEST(MovingModel, TouchesSomethingThatGrowsByAnyFactor) {
     for (const Vec3& p : positions) all.push_back(factor * p);
     return all;
   };
-  Body a(small_mesh(times(point, small), {{0, 0, 0}})), b(small_mesh(times(face, small), {{0, 1, 2}}));
+  MovingBody a(small_mesh(times(point, small), {{0, 0, 0}})), b(small_mesh(times(face, small), {{0, 1, 2}}));
   a.moving.set_motion(std::vector<Vec3>{{0.1 * small, 0.2 * small, -large}}).value();
   b.moving.set_motion(times(face, large)).value();
   for (const double max_time : {0x1p-290, 0x1p-60, 1.0}) {
@@ -100,7 +100,7 @@ TEST(MovingModel, TouchesSomethingThatGrowsByAnyFactor) {
 }
 
 TEST(MovingModel, ThatCrossesAtTheStartIsSaidSo) {
-  Body needle(small_mesh({{0.1, 0.2, 1}, {0.15, 0.2, 1}, {0.1, 0.2, -1}}, {{0, 1, 2}})), floor(plate());
+  MovingBody needle(small_mesh({{0.1, 0.2, 1}, {0.15, 0.2, 1}, {0.1, 0.2, -1}}, {{0, 1, 2}})), floor(plate());
   needle.shift({}, {0, 0, 1.5});
   const ImpactResult found = time_of_impact(needle.moving, floor.moving);
   EXPECT_EQ(found.status, ImpactStatus::initial_contact);
@@ -116,7 +116,7 @@ TEST(MovingModel, ThatCrossesAtTheStartIsSaidSo) {
   EXPECT_EQ(later.elements->a, 2U);
 }
 
-TEST_F(MovingBodies, KeepASeparation) {
+TEST_F(FallingBox, KeepsASeparation) {
   const ImpactResult found = ask({.min_separation = 0.5});
   EXPECT_EQ(found.status, ImpactStatus::contact);
   EXPECT_NEAR(found.upper, 0.375, 1e-12);
@@ -128,7 +128,7 @@ TEST_F(MovingBodies, KeepASeparation) {
   EXPECT_EQ(ask({.min_separation = 0.5}).status, ImpactStatus::initial_contact);
 }
 
-TEST_F(MovingBodies, MayGoOnFromNearerThanTheSeparation) {
+TEST_F(FallingBox, MayGoOnFromNearerThanTheSeparation) {
   box.shift({0.1, 0.2, 0.75}, {0.1, 0.2, 1.75});  // up, from 0.25 above the plate
   const auto ask_within = [&](double part) { return ask({.min_separation = 0.5, .separation_fraction = part}); };
   EXPECT_EQ(ask_within(0).status, ImpactStatus::initial_contact);
@@ -155,8 +155,8 @@ void expect_state(const ElementState& found, const std::array<VertexId, 4>& vert
 }
 
 TEST(MovingModel, SaysHowElementsLie) {
-  Body point(small_mesh({{0, 0, 0}}, {{0, 0, 0}}));
-  Body face(small_mesh({{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}}, {{0, 1, 2}}));
+  MovingBody point(small_mesh({{0, 0, 0}}, {{0, 0, 0}}));
+  MovingBody face(small_mesh({{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}}, {{0, 1, 2}}));
   point.shift({0, 0, 1}, {0, 0, -1});
   const ElementPair down{ElementPair::Kind::vertex_face, 0, 0}, up{ElementPair::Kind::face_vertex, 0, 0};
   for (const double time : {0.25, 0.5, 0.75}) {  // before, while they touch, after
@@ -166,7 +166,7 @@ TEST(MovingModel, SaysHowElementsLie) {
     EXPECT_EQ(found.point_b, Vec3{});
   }
   expect_state(state_of(face.moving, point.moving, up, 0.25), {0, 1, 2, 0}, 3, {0.5, 0.25, 0.25, 1}, {0, 0, 1});
-  Body rods(small_mesh({{-1, 0, 0}, {1, 0, 0}, {0, -1, 1}, {0, 3, 1}}, {{0, 1, 1}, {2, 3, 3}}));
+  MovingBody rods(small_mesh({{-1, 0, 0}, {1, 0, 0}, {0, -1, 1}, {0, 3, 1}}, {{0, 1, 1}, {2, 3, 3}}));
   expect_state(self_state_of(rods.moving, {ElementPair::Kind::edge_edge, 0, 1}, 0), {0, 1, 2, 3}, 2,
                {0.5, 0.5, 0.75, 0.25}, {0, 0, 1});
 }
@@ -174,13 +174,13 @@ TEST(MovingModel, SaysHowElementsLie) {
 TEST(MovingModel, HasNormalsOfEveryScale) {
   for (const int exponent : {-1000, -540, -365, 0, 150}) {
     const double unit = std::ldexp(1.0, exponent);
-    Body box(scaled(cube(), unit)), floor(scaled(plate(), unit));
+    MovingBody box(scaled(cube(), unit)), floor(scaled(plate(), unit));
     box.shift(unit * Vec3{0.1, 0.2, 2.5}, unit * Vec3{0.1, 0.2, -1.5});
     EXPECT_EQ(time_of_impact(box.moving, floor.moving).normal, (Vec3{0, 0, -1})) << exponent;
   }
 }
 
-TEST_F(MovingBodies, StopWhenTheBudgetIsSpent) {
+TEST_F(FallingBox, StopsWhenItsBudgetIsSpent) {
   const std::atomic<bool> cancelled{true};
   for (const QueryBudget& budget : {QueryBudget{.max_steps = 0}, QueryBudget{.cancel = &cancelled}}) {
     const StoppedBy reason = budget.cancel != nullptr ? StoppedBy::cancel : StoppedBy::max_steps;
@@ -198,7 +198,7 @@ TEST_F(MovingBodies, StopWhenTheBudgetIsSpent) {
 }
 
 TEST(MovingModel, EndsAmongThePairsOfTwoLeaves) {
-  Body falls(scenes::grid(12, 12, 0, 0, 1, 1)), floor(scenes::grid(12, 12, 0, 0, 1, 1));
+  MovingBody falls(scenes::grid(12, 12, 0, 0, 1, 1)), floor(scenes::grid(12, 12, 0, 0, 1, 1));
   falls.shift({0, 0, 1}, {0, 0, -1});
   std::atomic<bool> cancelled{false};
   int asked = 0, visited = 0;
@@ -221,7 +221,7 @@ TEST(MovingModel, ThatTurnsComparesFewPairs) {
     return Transform{{{std::cos(angle), -std::sin(angle), 0}, {std::sin(angle), std::cos(angle), 0}, {0, 0, 1}}, {}};
   };
   for (const std::uint32_t n : {16U, 32U}) {
-    Body sheet(scenes::grid(n, n, 0, 0, 1.0 / n, 1.0 / n));
+    MovingBody sheet(scenes::grid(n, n, 0, 0, 1.0 / n, 1.0 / n));
     for (const double angle : {1.0, 0.5 * std::numbers::pi, 2.0}) {
       sheet.moving.set_motion(sheet.model.mesh().positions(), {}, turned(angle)).value();
       const ImpactResult found = self_time_of_impact(sheet.moving);
@@ -231,7 +231,7 @@ TEST(MovingModel, ThatTurnsComparesFewPairs) {
   }
 }
 
-using MovingModelMisuse = MovingBodies;
+using MovingModelMisuse = FallingBox;
 
 TEST_F(MovingModelMisuse, OfPositionsIsAnError) {
   std::vector<Vec3> end(8);

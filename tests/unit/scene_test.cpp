@@ -16,7 +16,7 @@
 
 #include "base/access.h"
 #include "reference/place.h"
-#include "scene/scene_cache_impl.h"
+#include "scene/scene_impl.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {

@@ -15,7 +15,6 @@
 
 #include "limber/model.h"
 #include "scene/box_tree.h"
-#include "scene/hilbert_order.h"
 #include "scene/world_bounds.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"

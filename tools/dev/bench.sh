@@ -40,15 +40,20 @@ build_benches() {
   build bench --target "${@/#/limber_bench_}"
 }
 
-# run_bench NAME [arguments]: runs a benchmark that has been built, and keeps its tables, processor, compiler and flags.
-run_bench() {
+# note_machine COMMAND...: keeps the processor, and what that command says of compiler and flags.
+note_machine() {
   mkdir -p -- "$results"
   {
     printf 'processor  %s%s (family %s, model %s)\n' "$(processor 'model name')" "$(known_as)" "$(processor 'cpu family')" \
       "$(processor model)"
     printf 'cores      %s visible, 1 used\n' "$jobs"
-    cat -- "$root/build/bench/bench/compiler.txt"
+    "$@"
   } >"$results/machine.txt"
+}
+
+# run_bench NAME [arguments]: runs a benchmark that has been built, and keeps its tables.
+run_bench() {
+  note_machine cat -- "$root/build/bench/bench/compiler.txt"
   say "running limber_bench_$1"
   "$root/build/bench/bench/limber_bench_$1" --out "$results" "${@:2}" </dev/null
 }
@@ -109,6 +114,7 @@ in_python() {
   python_environment peers requirements.txt requirements_peers.txt ../bench/python/requirements.txt
   configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/peers/bin/python"
   build release --target limber_python
+  note_machine "$root/build/peers/bin/python" -VV
   PYTHONPATH=$root/build/release/python PYTHONDONTWRITEBYTECODE=1 "$root/build/peers/bin/python" \
     "$root/bench/python/$1.py" --out "$results" "${@:2}" </dev/null
 }

@@ -120,11 +120,6 @@ run_shard() {
   fi
 }
 
-# expect_minutes N: says how long a verb takes that keeps one processor busy for N minutes.
-expect_minutes() {
-  say "from nothing this takes about $((($1 + jobs - 1) / jobs)) minutes on $jobs processors of today; after that, what has changed"
-}
-
 # need_for_tests [LIST...]
 need_for_tests() { need build io program tests "$@"; }
 

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The limber authors
 # SPDX-License-Identifier: BSD-3-Clause
 
-# The verbs of a few lines each: verbs.sh VERB [arguments].
+# The verbs that have no script of their own: verbs.sh VERB [arguments].
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 #: demo [args]      build the program and run `limber demo`; its page is build/limber-demo.html; arguments go to the demo
@@ -15,7 +15,7 @@ verb_demo() {
 
 #: test [args]      build with checks and run every test; arguments go to ctest (e.g. -R distance)
 verb_test() {
-  expect_minutes 11
+  say "from nothing this takes about $(((10 + jobs) / jobs)) minutes on $jobs processors of today; after that, what has changed"
   configure_checked
   build checked
   run_tests checked "$@"
@@ -175,6 +175,143 @@ verb_coverage() {
   # Kernels are compiled once per instruction set; a line counts where any of them runs it.
   gcovr --root "$root" --object-directory "$root/build/coverage" --filter "$root/src/" --filter "$root/include/" \
     --exclude-throw-branches --fail-under-line 95 -j "$jobs" "$@"
+}
+
+run_guide() {
+  local line
+  say "running the program of docs/guide/javascript.md"
+  block docs/guide/javascript.md js '^# ' >guide.mjs
+  node guide.mjs | tee guide.txt
+  for line in 'frame 1: 1 apart, 0 contacts' 'frame 3: 0 apart, 12 contacts'; do
+    grep -qx "$line" guide.txt || die "the program did not answer '$line'"
+  done
+}
+
+#: web [args]       build the JavaScript package, in WebAssembly, and test it next to the native library; arguments go to
+#:                  node --test
+#: web build        build the package alone
+#: web --quick      compile it quickly and run the program of its guide
+verb_web() {
+  if [[ ${1:-} == --quick ]]; then
+    build_package web-quick
+    run_guide
+    return
+  fi
+  build_package web
+  if [[ ${1:-} == build ]]; then return; fi
+  need io
+  configure release -DLIMBER_BUILD_TESTS=OFF -DLIMBER_BUILD_WEB=ON
+  build release --target limber_web_answers
+  "$root/build/release/clients/javascript/limber_web_answers" answers.json
+  node_modules/.bin/tsc -p tests/tsconfig.json
+  run_guide
+  LIMBER_ANSWERS=answers.json node --test "$@" tests/*.test.js </dev/null
+}
+
+# npm, and what clients/pages/package-lock.json names. What is there already is not asked for again.
+pages_environment() {
+  local folder=$root/clients/pages
+  command -v npm >/dev/null || need pages
+  if cmp -s -- "$folder/package-lock.json" "$folder/node_modules/installed"; then return 0; fi
+  say "installing from npm into clients/pages/node_modules"
+  (cd -- "$folder" && npm ci --no-audit --no-fund --loglevel=error) </dev/null ||
+    die "npm could not install what clients/pages/package-lock.json names"
+  cp -- "$folder/package-lock.json" "$folder/node_modules/installed"
+}
+
+# run_script NAME: a script of clients/pages/package.json.
+run_script() {
+  pages_environment
+  (cd -- "$root/clients/pages" && npm run --silent "$1" </dev/null)
+}
+
+#: pages            build the viewer, the page of `limber distance --report`, `limber track --report` and `limber demo`,
+#:                  from clients/pages into build/pages, with npm
+#: pages test       check the sources, and test that page with data that the program writes, in a headless browser
+#: pages --commit   build it, and replace the committed page that the program is compiled with; for a release, or when
+#:                  the format of the data has changed
+#: pages pictures   make the pictures of these pages in the README and in docs/guide
+verb_pages() {
+  local script=${*:-build} preset=checked
+  case $script in
+    build | --commit) run_script "${script#--}" ;;
+    test | pictures)
+      need_for_tests pages_tests
+      # Pages of pictures show times; those of tests come from the program that the tests have built.
+      if [[ $script == pictures ]]; then
+        preset=release
+        need pictures
+      fi
+      configure "$preset"
+      build "$preset" --target limber_program
+      export LIMBER_PROGRAM=$root/build/$preset/clients/program/limber
+      run_script "$script"
+      ;;
+    *) die "pages has no '$script'; see ./dev help" ;;
+  esac
+}
+
+check_format() { cpp_files | xargs -0 clang-format --dry-run -Werror; }
+
+check_scripts() {
+  shellcheck dev .ci/run tools/dev/*.sh clients/program/completions/limber.bash tests/package/check_installed.sh
+}
+
+# Every file has a license. What git ignores is none of ours; without git that cannot be told.
+check_licenses() {
+  git rev-parse --git-dir >/dev/null 2>&1 || { say "licenses are checked in clones alone"; return 0; }
+  build/lint_tools/bin/reuse lint --quiet || build/lint_tools/bin/reuse lint --lines
+}
+
+# clang-tidy over what the compile database of a preset knows of the folders below. Tests are left out: their frameworks
+# would take most of the time. Most of the rest goes to headers, which sources that are joined, those of build/checked,
+# read once. The analyzer looks only at functions of a source that is compiled by itself, as in build/dev.
+check_tidy() {
+  local preset=checked checks='-clang-analyzer-*,-bugprone-suspicious-include' patterns=() file
+  if [[ -n $deep ]]; then preset=dev checks=''; fi
+  while IFS= read -r -d '' file; do
+    case $file in
+      clients/program/tests/*) ;;
+      src/* | scenes/* | clients/program/* | examples/* | python/src/*) patterns+=("/${file//./\\.}\$") ;;
+    esac
+  done < <(cpp_files)
+  patterns+=('/build/checked/((src|scenes|examples|python)/.*|clients/program/CMakeFiles)/(limber|limber_.*|example_[0-9].*)\.dir/Unity/')
+  configure "$preset" -DLIMBER_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$root/build/python/bin/python" >/dev/null || return 1
+  build "$preset" --target limber_python_docstrings >/dev/null || return 1
+  run-clang-tidy -quiet -j "$jobs" -p "build/$preset" "-checks=$checks" "${patterns[@]}" 2>&1 |
+    sed -E '/^clang-tidy|^[0-9]+ warnings? generated|^Suppressed|^Use -header-filter|^$/d'
+}
+
+# lint_step NAME COMMAND...
+lint_step() {
+  local step=$1 start=$SECONDS
+  shift
+  if "$@" </dev/null; then say "lint: $step ok ($((SECONDS - start)) s)"; else
+    say "lint: $step FAILED ($((SECONDS - start)) s)"
+    failed+=("$step")
+  fi
+}
+
+#: lint             formatting, clang-tidy, layers, texts and references, licenses, shell scripts
+#: lint --deep      with Clang's static analyzer, and every source by itself; long
+verb_lint() {
+  deep=''
+  if [[ ${1:-} == --deep ]]; then deep=1; fi
+  need_for_tests lint python
+  tests_environment
+  python_environment lint_tools ../tools/requirements_lint.txt
+  cd -- "$root"
+  failed=()
+  export PYTHONDONTWRITEBYTECODE=1
+  lint_step tools python3 tools/test_tools.py
+  lint_step layers python3 tools/check_layers.py
+  lint_step text python3 tools/check_text.py
+  lint_step licenses check_licenses
+  lint_step scripts check_scripts
+  lint_step format check_format
+  lint_step tidy check_tidy
+  ((${#failed[@]} == 0)) || die "lint failed: ${failed[*]}"
+  say "lint passed"
 }
 
 "verb_$1" "${@:2}"

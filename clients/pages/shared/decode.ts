@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /**
- * Reads back what the program has written: meshes and numbers of reports/page_data.cpp, frames of a sequence of
- * formats/position_frames.cpp.
+ * Reads back what reports/page_data.cpp of the program has written: meshes and numbers, frames of a sequence.
  */
 
 import { Matrix4 } from 'three';

@@ -25,7 +25,6 @@ before(async () => {
   const falling = ['track', '--a', 'scene:ball', '--poses-a', session.store('moves.csv', falls)];
   for (const [name, ...words] of [
     ['replay', 'track', '--a', ...frames, ...moving, ...more],
-    ['twice', 'track', '--a', ...frames.slice(0, 3), '--b', 'scene:ball', '--loop', '2'],
     ['single', 'track', '--a', box, '--b', 'scene:ball'],
     ['clearance', ...falling, '--b', 'scene:square', '--min-clearance', '2'],
     ['deep', ...falling, '--b', box, '--depth', '--min-clearance', '0.1'],
@@ -40,7 +39,7 @@ before(async () => {
 
 after(() => session.close());
 
-expectGoodLooks(session, ['replay', 'twice', 'single', 'clearance', 'usual', 'few', 'thinned'], true);
+expectGoodLooks(session, ['replay', 'single', 'clearance', 'usual', 'few', 'thinned'], true);
 
 /** Moves the slider, as the arrow keys do one by one. */
 async function go(page, frame) {

@@ -37,8 +37,8 @@ void write_lines(const std::optional<FoundWitness>& witness) {
   if (!witness) return;
   const auto& [found, face_a, face_b, part_a, part_b] = *witness;
   const auto in = [](const std::string* part) { return part != nullptr ? ", part " + *part : ""; };
-  write_line("point a   {}", to_text(found.point_a, " "));
-  write_line("point b   {}", to_text(found.point_b, " "));
+  write_line("point a   {}", to_text(found.point_a));
+  write_line("point b   {}", to_text(found.point_b));
   write_line("on a      triangle {}, face {}{}", found.triangle_a, face_a, in(part_a));
   write_line("on b      triangle {}, face {}{}", found.triangle_b, face_b, in(part_b));
 }
@@ -92,7 +92,63 @@ std::optional<bool> is_below(const DistanceResult& result, const std::optional<d
   return result.upper < *clearance ? std::optional(true) : std::nullopt;
 }
 
+Relation relation_of(const PlacedModel& a, const PlacedModel& b, bool surfaces_meet) {
+  Relation relation;
+  if (const auto solids = solids_of(a, b)) {
+    relation.solids = solids->relation;
+    relation.nesting = nesting_of(*solids);
+  } else if (!surfaces_meet) {
+    relation.nesting = nesting_of(a, b);
+  }
+  return relation;
+}
+
+/// The proven depth of two closed models that overlap; empty for other pairs.
+std::optional<double> depth_of(const PlacedModel& a, const PlacedModel& b, const Relation& relation) {
+  if (!relation.solids || !relation.overlaps()) return std::nullopt;
+  return proven_depth({a.model.surface().value(), a.pose}, {b.model.surface().value(), b.pose});
+}
+
+struct Verdict {
+  Clash clash = Clash::clear;
+  bool may_clash = false;         ///< whether cannot_tell may be a hard clash
+  std::optional<bool> too_close;  ///< whether the models are closer than a required clearance; empty where that is open
+};
+
+/// The verdict about a pair of meshes that are `gap` apart, or overlap by the proven `depth`. `is_below` tells whether
+/// the surfaces of the parts are closer than a required clearance, and is empty where the meshes do not tell.
+Verdict verdict_of(const Relation& relation, double gap, double depth, const Tolerances& tolerances,
+                   std::optional<bool> is_below) {
+  constexpr double any = std::numeric_limits<double>::infinity();
+  const double error = tolerances.of_pair();
+  double least = 0, most = error - gap;  // how deep the parts are in each other
+  if (relation.solids && relation.overlaps()) {
+    least = error == 0 && tolerances.overlap == 0 ? any : depth - error;
+    most = depth + error;
+  } else if (!relation.solids) {  // of one that is not closed, only whether it is enclosed is known
+    least = relation.overlaps() && gap > error ? any : 0;
+    most = relation.overlaps() || (error > 0 && gap <= error) ? any : 0;
+  }
+  if (least > tolerances.overlap) return {Clash::hard_clash, true, true};
+  if (most > tolerances.overlap) return {Clash::cannot_tell, true, is_below == true ? is_below : std::nullopt};
+  if (!is_below) return {Clash::cannot_tell, false, std::nullopt};
+  const bool is_apart = gap > error && !relation.overlaps();
+  if (!is_apart) return {relation.solids ? Clash::touching : Clash::surfaces_meet, false, is_below};
+  const Clash clear = relation.solids ? Clash::clear : Clash::surfaces_apart;
+  return {*is_below ? Clash::clearance : clear, false, is_below};
+}
+
 }  // namespace
+
+bool Relation::overlaps() const {
+  if (!solids) return nesting != Nesting::none;
+  return *solids != SolidRelation::apart && *solids != SolidRelation::touching;
+}
+
+double proven_depth(const PlacedSurface& a, const PlacedSurface& b) {
+  // With this error the search ends with the first way out, however long.
+  return std::max(0.0, -signed_distance(a, b, {.relative_error = std::numeric_limits<double>::max()}).upper);
+}
 
 DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a, const PlacedModel& b) {
   const std::optional<double>& clearance = question.min_clearance;
@@ -107,7 +163,7 @@ DistanceAnswer answer_to(const DistanceQuestion& question, const PlacedModel& a,
   answer.result = of_meshes;
   answer.witness = with_faces(of_meshes.witness, a.model, b.model);
   answer.relation = relation_of(a, b, of_meshes.status == DistanceStatus::collision);
-  answer.depth = proven_depth(a, b, answer.relation);
+  answer.depth = depth_of(a, b, answer.relation);
   if (error > 0) {
     answer.result.lower = std::max(0.0, of_meshes.lower - error);
     answer.result.upper += error;
@@ -143,53 +199,6 @@ void append_answer(Json& json, const DistanceAnswer& answer) {
   json["clash"] = answer.clash ? Json(to_text(*answer.clash)) : Json(nullptr);
   json["solids"] = answer.relation.solids ? Json(to_text(*answer.relation.solids)) : Json(nullptr);
   json["depth"] = to_json(answer.depth);
-}
-
-bool Relation::overlaps() const {
-  if (!solids) return nesting != Nesting::none;
-  return *solids != SolidRelation::apart && *solids != SolidRelation::touching;
-}
-
-Relation relation_of(const PlacedModel& a, const PlacedModel& b, bool surfaces_meet) {
-  Relation relation;
-  if (const auto solids = solids_of(a, b)) {
-    relation.solids = solids->relation;
-    relation.nesting = nesting_of(*solids);
-  } else if (!surfaces_meet) {
-    relation.nesting = nesting_of(a, b);
-  }
-  return relation;
-}
-
-Verdict verdict_of(const Relation& relation, double gap, double depth, const Tolerances& tolerances,
-                   std::optional<bool> is_below) {
-  constexpr double any = std::numeric_limits<double>::infinity();
-  const double error = tolerances.of_pair();
-  double least = 0, most = error - gap;  // how deep the parts are in each other
-  if (relation.solids && relation.overlaps()) {
-    least = error == 0 && tolerances.overlap == 0 ? any : depth - error;
-    most = depth + error;
-  } else if (!relation.solids) {  // of one that is not closed, only whether it is enclosed is known
-    least = relation.overlaps() && gap > error ? any : 0;
-    most = relation.overlaps() || (error > 0 && gap <= error) ? any : 0;
-  }
-  if (least > tolerances.overlap) return {Clash::hard_clash, true, true};
-  if (most > tolerances.overlap) return {Clash::cannot_tell, true, is_below == true ? is_below : std::nullopt};
-  if (!is_below) return {Clash::cannot_tell, false, std::nullopt};
-  const bool is_apart = gap > error && !relation.overlaps();
-  if (!is_apart) return {relation.solids ? Clash::touching : Clash::surfaces_meet, false, is_below};
-  const Clash clear = relation.solids ? Clash::clear : Clash::surfaces_apart;
-  return {*is_below ? Clash::clearance : clear, false, is_below};
-}
-
-double proven_depth(const PlacedSurface& a, const PlacedSurface& b) {
-  // With this error the search ends with the first way out, however long.
-  return std::max(0.0, -signed_distance(a, b, {.relative_error = std::numeric_limits<double>::max()}).upper);
-}
-
-std::optional<double> proven_depth(const PlacedModel& a, const PlacedModel& b, const Relation& relation) {
-  if (!relation.solids || !relation.overlaps()) return std::nullopt;
-  return proven_depth({a.model.surface().value(), a.pose}, {b.model.surface().value(), b.pose});
 }
 
 const char* to_text(Clash clash) {

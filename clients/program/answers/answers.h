@@ -89,7 +89,6 @@ struct Relation {
   /// Whether the volumes have a point in common.
   bool overlaps() const;
 };
-Relation relation_of(const PlacedModel& a, const PlacedModel& b, bool surfaces_meet);
 
 /// What the verdict about a pair allows for.
 struct Tolerances {
@@ -102,21 +101,8 @@ struct Tolerances {
 /// The worst first.
 enum class Clash { hard_clash, cannot_tell, surfaces_meet, touching, clearance, clear, surfaces_apart };
 
-struct Verdict {
-  Clash clash = Clash::clear;
-  bool may_clash = false;         ///< whether cannot_tell may be a hard clash
-  std::optional<bool> too_close;  ///< whether the models are closer than a required clearance; empty where that is open
-};
-
-/// The verdict about a pair of meshes that are `gap` apart, or overlap by the proven `depth`. `is_below` tells whether
-/// the surfaces of the parts are closer than a required clearance, and is empty where the meshes do not tell.
-Verdict verdict_of(const Relation& relation, double gap, double depth, const Tolerances& tolerances,
-                   std::optional<bool> is_below);
-
 /// A length that no translation which takes the bodies apart is shorter than; 0 where they do not overlap.
 double proven_depth(const PlacedSurface& a, const PlacedSurface& b);
-/// The proven depth of two closed models that overlap; empty for other pairs.
-std::optional<double> proven_depth(const PlacedModel& a, const PlacedModel& b, const Relation& relation);
 
 const char* to_text(Clash clash);
 const char* to_text(SolidRelation relation);

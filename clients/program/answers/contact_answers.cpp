@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "command/options.h"
 #include "command/text.h"
+#include "command/verb.h"
 
 namespace limber::program {
 namespace {
@@ -25,11 +25,11 @@ constexpr std::array normal_side_words = {"unknown", "outward", "inward"};
 }  // namespace
 
 bool ContactCollector::operator()(const Contact& contact) {
-  ++found_.count;
-  if (contact.distance == 0) ++found_.intersecting_count;
-  std::vector<FoundContact>& first = found_.first;
-  if (first.size() == room_) {
-    if (room_ == 0 || !is_before(contact, first.front())) return true;
+  ++found.count;
+  if (contact.distance == 0) ++found.intersecting_count;
+  std::vector<FoundContact>& first = found.first;
+  if (first.size() == room) {
+    if (room == 0 || !is_before(contact, first.front())) return true;
     std::pop_heap(first.begin(), first.end(), is_before);
     first.pop_back();
   }
@@ -45,22 +45,16 @@ bool ContactCollector::operator()(const TrianglePair& pair) {
   return (*this)(contact);
 }
 
-FoundContacts ContactCollector::take() {
-  std::sort_heap(found_.first.begin(), found_.first.end(), is_before);
-  return std::exchange(found_, {});
-}
-
 FoundContacts collect_contacts(std::size_t room, ContactDetail detail,
                                const std::function<PairCount(ContactCollector&)>& query) {
-  ContactCollector collector(room);
+  ContactCollector collector{room, {}};
+  FoundContacts& found = collector.found;
   const Stopwatch asking;
-  const PairCount counted = query(collector);
-  const double elapsed_us = asking.microseconds();
-  FoundContacts found = collector.take();
+  found.stats = query(collector).stats;
+  found.elapsed_us = asking.microseconds();
   found.detail = detail;
-  found.stats = counted.stats;
-  found.elapsed_us = elapsed_us;
-  return found;
+  std::sort_heap(found.first.begin(), found.first.end(), is_before);
+  return std::move(found);
 }
 
 std::string to_text(Feature feature) {
@@ -87,7 +81,7 @@ Json to_json(const FoundContact& contact, ContactDetail detail) {
 }
 
 void add_margin(CLI::App& command, std::optional<double>& target, const std::string& description) {
-  add_number(command, "--margin", target, not_negative, description)->type_name("LENGTH");
+  add_number(command, "--margin", target, not_negative, description);
 }
 
 }  // namespace limber::program

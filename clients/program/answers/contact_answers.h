@@ -42,21 +42,13 @@ struct FoundContacts {
   double elapsed_us = 0;
 };
 
-/// Counts pairs, and keeps the first few of them.
-class ContactCollector {
- public:
-  explicit ContactCollector(std::size_t room) : room_(room) {}
+/// Counts pairs, and keeps the first few of them. Never ends the query.
+struct ContactCollector {
+  std::size_t room;
+  FoundContacts found;  ///< `first` is a heap with the last of them on top
 
-  /// Visits. Never ends the query.
   bool operator()(const Contact& contact);
   bool operator()(const TrianglePair& pair);
-
-  /// What was found, in order. The collector is empty afterwards.
-  FoundContacts take();
-
- private:
-  std::size_t room_;
-  FoundContacts found_;  // `first` is a heap with the last of them on top
 };
 
 /// Runs a query, which hands its pairs to a collector with room for some of them. Faces are not set.

@@ -8,9 +8,9 @@
 #include <numeric>
 #include <string_view>
 
-#include "command/options.h"
 #include "command/run_files.h"
 #include "command/text.h"
+#include "command/verb.h"
 #include "formats/csv.h"
 #include "formats/scenes.h"
 
@@ -27,18 +27,17 @@ Model timed_made(Mesh mesh, double& elapsed_us) {
   return model;
 }
 
-/// Whether all triangles of a mesh lie in a box of another frame, up to rounding. Stops at the first that does not.
-bool is_in_box(MeshView mesh, const Transform& box_from_mesh, const Box& box) {
+/// Whether all triangles of a model lie in the box of another, up to rounding. Stops at the first that does not.
+bool is_in_box(const PlacedModel& inner, const PlacedModel& outer) {
+  const MeshView mesh = inner.model.mesh();
+  const Transform outer_from_inner = inverse(outer.pose) * inner.pose;
+  const Box& box = outer.model.box();
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Corners& corners) {
     return std::all_of(corners.begin(), corners.end(), [&](VertexId v) {
-      const Vec3 p = box_from_mesh(mesh.positions[v]);
+      const Vec3 p = outer_from_inner(mesh.positions[v]);
       return min(box.low, p) == box.low && max(box.high, p) == box.high;
     });
   });
-}
-
-bool is_in_box(const PlacedModel& inner, const PlacedModel& outer) {
-  return is_in_box(inner.model.mesh(), inverse(outer.pose) * inner.pose, outer.model.box());
 }
 
 /// Whether the outer model is closed and has a corner of each triangle inside, decided exactly for corners rounded to
@@ -113,12 +112,12 @@ Nesting nesting_of(const PlacedModel& a, const PlacedModel& b) {
 
 namespace {
 
-/// The poses of a path, or one of a model that stands still.
-std::vector<Transform> poses_of(const PathArguments& arguments, const char* option) {
-  if (arguments.poses.empty()) return {arguments.pose};
-  std::vector<Transform> poses = read_poses(arguments.poses);
+/// The poses of a path, or that of a model that stands still.
+std::vector<Transform> poses_of(const std::string& path, const Transform& pose, const char* option) {
+  if (path.empty()) return {pose};
+  std::vector<Transform> poses = read_poses(path);
   if (poses.size() > 1) return poses;
-  throw BadInput(fmt::format("{}: {} has one pose, and a path two or more", option, arguments.poses));
+  throw BadInput(fmt::format("{}: {} has one pose, and a path two or more", option, path));
 }
 
 RigidMotion motion_from(const std::vector<Transform>& poses, std::size_t step) {
@@ -133,8 +132,9 @@ void add_work(auto& sum, const auto& found) {
 
 }  // namespace
 
-Path::Path(const PathArguments& a, const PathArguments& b) {
-  const std::vector<Transform> poses_a = poses_of(a, "--path-a"), poses_b = poses_of(b, "--path-b");
+Path::Path(const PlacedArguments& arguments) {
+  const std::vector<Transform> poses_a = poses_of(arguments.path_a, arguments.pose_a, "--path-a"),
+                               poses_b = poses_of(arguments.path_b, arguments.pose_b, "--path-b");
   if (poses_a.size() > 1 && poses_b.size() > 1 && poses_a.size() != poses_b.size()) {
     throw BadInput(fmt::format("--path-a has {} poses, but --path-b has {}", poses_a.size(), poses_b.size()));
   }
@@ -207,7 +207,7 @@ void add_pair_arguments(CLI::App& command, PairArguments& arguments, const std::
 Pair::Pair(const PlacedArguments& arguments)
     : arguments_(arguments), a_(load_mesh_argument(arguments.a)), b_(load_mesh_argument(arguments.b)) {
   if (arguments.path_a.empty() && arguments.path_b.empty()) return;
-  path_.emplace(PathArguments{arguments.path_a, arguments.pose_a}, PathArguments{arguments.path_b, arguments.pose_b});
+  path_.emplace(arguments);
   arguments_.pose_a = path_->start_a();
   arguments_.pose_b = path_->start_b();
 }

@@ -95,18 +95,19 @@ third. On the way the model's origin moves straight, and the model turns about o
 constant speed. Paths of both models have as many poses.
 )";
 
-/// Where a model goes, as the command line says it.
-struct PathArguments {
-  std::string poses;  ///< a file; empty: the model stands still
-  Transform pose;     ///< where it does
+/// Two rigid models, and where they stand or go.
+struct PlacedArguments {
+  std::string a, b;
+  Transform pose_a, pose_b;    // world_from_model
+  std::string path_a, path_b;  // files of poses; empty: the model stands still
 };
 
 /// How two models go along their poses, one step after the other.
 class Path {
  public:
-  /// Pre      One of the two goes along poses.
+  /// Pre      One of the two has a path.
   /// Errors   BadInput of read_poses(); where there are fewer than two poses, or not as many for both models.
-  Path(const PathArguments& a, const PathArguments& b);
+  explicit Path(const PlacedArguments& arguments);
 
   const Transform& start_a() const { return steps_.front().a.start(); }
   const Transform& start_b() const { return steps_.front().b.start(); }
@@ -121,13 +122,6 @@ class Path {
   };
 
   std::vector<Step> steps_;
-};
-
-/// Two rigid models, and where they stand or go.
-struct PlacedArguments {
-  std::string a, b;
-  Transform pose_a, pose_b;    // world_from_model
-  std::string path_a, path_b;  // files of poses; empty: the model stands still
 };
 
 /// An option that says where a model stands: "A".

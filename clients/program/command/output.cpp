@@ -4,7 +4,7 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -148,10 +148,8 @@ std::string AnswerColumns::line(const Json& object) const {
 Json to_json(const Vec3& point) { return Json::array({point.x, point.y, point.z}); }
 
 const char* to_text(DistanceStatus status) {
-  const auto* const found = std::find_if(status_words.begin(), status_words.end(),
-                                         [status](const auto& entry) { return entry.first == status; });
-  if (found == status_words.end()) throw std::logic_error("an answer has no known status");
-  return found->second;
+  static constexpr std::array words = {"exact", "within_error", "collision", "beyond_limit", "interrupted"};
+  return words.at(static_cast<std::size_t>(status));
 }
 
 std::string on_one_line(std::string_view text) {

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -93,12 +92,6 @@ template <typename T>
 Json to_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
-inline constexpr std::array<std::pair<DistanceStatus, const char*>, 5> status_words = {
-    {{DistanceStatus::exact, "exact"},
-     {DistanceStatus::within_error, "within_error"},
-     {DistanceStatus::collision, "collision"},
-     {DistanceStatus::beyond_limit, "beyond_limit"},
-     {DistanceStatus::interrupted, "interrupted"}}};
 const char* to_text(DistanceStatus status);
 
 /// The text without line ends or other control characters, so that it stays on one line.

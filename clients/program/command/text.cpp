@@ -55,18 +55,9 @@ std::optional<double> parsed_number(std::string_view text) {
 #endif
 }
 
-std::optional<std::uint64_t> parsed_count(std::string_view text) {
-  std::uint64_t count = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (text.empty() || error != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
-  return count;
-}
-
 std::string to_text(double number) { return fmt::format("{}", number); }
 
-std::string to_text(const Vec3& point, const char* separator) {
-  return fmt::format("{}{}{}{}{}", point.x, separator, point.y, separator, point.z);
-}
+std::string to_text(const Vec3& point) { return fmt::format("{} {} {}", point.x, point.y, point.z); }
 
 std::string grouped(std::uint64_t count) {
   std::string text = fmt::format("{}", count);

@@ -34,12 +34,9 @@ inline void value_or_bad_input(const Result<void>& result, const std::string& pr
 /// A finite or infinite number or NaN. Nothing but spaces may stand around it.
 std::optional<double> parsed_number(std::string_view text);
 
-/// A count. Nothing may stand around it.
-std::optional<std::uint64_t> parsed_count(std::string_view text);
-
 /// The shortest text that reads back as the same float64.
 std::string to_text(double number);
-std::string to_text(const Vec3& point, const char* separator);
+std::string to_text(const Vec3& point);  ///< with spaces between
 
 /// Digits in groups of three.
 std::string grouped(std::uint64_t count);

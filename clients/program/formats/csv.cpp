@@ -133,57 +133,34 @@ bool is_header(const std::vector<std::string>& fields) {
   });
 }
 
-/// Where in a row the known columns are.
-class Columns {
- public:
-  /// Without a header, in their own order.
-  explicit Columns(const CsvFormat& format) : format_(format), count_(format.columns.size()) {
-    for (std::size_t c = 0; c < count_; ++c) places_.emplace_back(c);
-  }
-
-  Columns(const CsvFormat& format, const std::vector<std::string>& names)
-      : format_(format), count_(names.size()), is_named_(true) {
-    std::vector<std::string> missing;
-    for (const std::string& column : format.columns) {
-      const auto found = std::find(names.begin(), names.end(), column);
-      places_.emplace_back(static_cast<std::size_t>(found - names.begin()));
-      if (found == names.end()) missing.emplace_back(column);
-      if (std::count(names.begin(), names.end(), column) > 1) {
-        throw BadInput(fmt::format("column {} comes twice", column));
-      }
-    }
-    for (const std::string& name : names) {
-      const bool is_known = std::find(format.columns.begin(), format.columns.end(), name) != format.columns.end();
-      if (is_known) continue;
-      if (format.is_complete) throw BadInput(fmt::format("no column is called '{}'{}", shown(name), format.hint));
-      std::optional<std::string> meant = nearest(name, missing);
-      for (const std::string& column : missing) {
-        if (!meant && column.ends_with("_" + name)) meant = column;  // tx for pose_tx
-      }
-      if (meant) throw BadInput(fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
-    }
-    for (std::size_t c = 0; c < format.required_count; ++c) {
-      if (places_[c] == count_) throw BadInput(fmt::format("there is no column {}{}", format.columns[c], format.hint));
+/// Where in a row the known columns are; the number of names where there is no such column.
+std::vector<std::size_t> places_of(const CsvFormat& format, const std::vector<std::string>& names) {
+  std::vector<std::size_t> places;
+  std::vector<std::string> missing;
+  for (const std::string& column : format.columns) {
+    const auto found = std::find(names.begin(), names.end(), column);
+    places.push_back(static_cast<std::size_t>(found - names.begin()));
+    if (found == names.end()) missing.push_back(column);
+    if (std::count(names.begin(), names.end(), column) > 1) {
+      throw BadInput(fmt::format("column {} comes twice", column));
     }
   }
-
-  std::vector<std::string> in_order(const std::vector<std::string>& fields) const {
-    if (fields.size() != count_) {
-      throw BadInput(is_named_ ? fmt::format("has {} fields, but the header has {}", fields.size(), count_)
-                               : fmt::format("a {} is {} numbers {}, not {}", format_.entry, count_,
-                                             fmt::join(format_.columns, ","), fields.size()));
+  for (const std::string& name : names) {
+    const bool is_known = std::find(format.columns.begin(), format.columns.end(), name) != format.columns.end();
+    if (is_known) continue;
+    if (format.is_complete) throw BadInput(fmt::format("no column is called '{}'{}", shown(name), format.hint));
+    std::optional<std::string> meant = nearest(name, missing);
+    for (const std::string& column : missing) {
+      if (!meant && column.ends_with("_" + name)) meant = column;  // tx for pose_tx
     }
-    std::vector<std::string> ordered;
-    for (const std::size_t place : places_) ordered.push_back(place < count_ ? fields[place] : std::string());
-    return ordered;
+    if (meant) throw BadInput(fmt::format("no column is called '{}'; did you mean {}?", shown(name), *meant));
   }
-
- private:
-  CsvFormat format_;
-  std::size_t count_;  // of fields in a row
-  bool is_named_ = false;
-  std::vector<std::size_t> places_;  // by known column; `count_` where there is no such column
-};
+  for (std::size_t c = 0; c < format.required_count; ++c) {
+    if (places[c] == names.size())
+      throw BadInput(fmt::format("there is no column {}{}", format.columns[c], format.hint));
+  }
+  return places;
+}
 
 const std::vector<std::string> pose_columns = {"tx", "ty", "tz", "qw", "qx", "qy", "qz"};
 constexpr std::size_t pose_size = 7;
@@ -220,23 +197,33 @@ Transform pose_in(const std::vector<std::string>& fields, const std::vector<std:
 
 void read_csv(const std::string& path, const CsvFormat& format, const CsvTaker& take) {
   CsvFile file(path);
-  std::optional<Columns> columns;
+  std::vector<std::string> names;   // of the header, or as the format has them
+  std::vector<std::size_t> places;  // of the known columns among them
+  bool is_named = false;
   std::size_t row_count = 0;
   while (const std::optional<std::string_view> line = file.next()) {
     try {
       const std::vector<std::string> fields = fields_of_line(*line);
-      if (!columns && (format.has_header || is_header(fields))) {
-        columns.emplace(format, fields);
-        continue;
+      if (names.empty()) {
+        is_named = format.has_header || is_header(fields);
+        names = is_named ? fields : format.columns;
+        places = places_of(format, names);
+        if (is_named) continue;
       }
-      if (!columns) columns.emplace(format);
-      take(columns->in_order(fields), file.line_number());
+      if (fields.size() != names.size()) {
+        throw BadInput(is_named ? fmt::format("has {} fields, but the header has {}", fields.size(), names.size())
+                                : fmt::format("a {} is {} numbers {}, not {}", format.entry, names.size(),
+                                              fmt::join(names, ","), fields.size()));
+      }
+      std::vector<std::string> ordered;
+      for (const std::size_t place : places) ordered.push_back(place < fields.size() ? fields[place] : std::string());
+      take(ordered, file.line_number());
       ++row_count;
     } catch (const BadInput& error) {
       throw file.error(file.line_number(), error.what());
     }
   }
-  if (format.has_header && !columns) throw BadInput(path + ": is empty");
+  if (format.has_header && names.empty()) throw BadInput(path + ": is empty");
   if (row_count == 0) throw BadInput(fmt::format("{}: has no {}", path, format.entry));
 }
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "command/text.h"
-#include "formats/position_frames.h"
 #include "limber/contacts.h"
 #include "reports/page_data.h"
 

@@ -121,8 +121,7 @@ TEST(ProgramBadInput, Numbers) {
                                               {"--max-distance nan", "--max-distance: must be a number >= 0"}});
   expect_all_refused(tracked_balls, {{"--motion-margin auto", "--motion-margin: " + not_negative},
                                      {"--engine fast", "'--engine' is no option"},
-                                     {"--loop 0", "--loop: must be a whole number from 1"},
-                                     {"--loop 1.5", "--loop: must be a whole number from 1"}});
+                                     {"--max-report-mb 1.5", "--max-report-mb: must be a whole number from 1"}});
   expect_all_refused("demo ", {{"--frames 0", "--frames: must be a whole number from 1"},
                                {"--frames 99999999999999999999", "--frames: must be a whole number from 1"},
                                {"--seed -1", "--seed: must be a whole number from 0"}});

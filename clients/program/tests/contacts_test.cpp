@@ -53,43 +53,9 @@ TEST(ProgramContacts, CrossingSquaresMeetInThreePairs) {
     EXPECT_EQ(ids_of(json), (Ids{{0, 0}, {0, 1}, {1, 1}}));
     EXPECT_EQ(json["margin"].is_null(), !has_margin);
   }
-}
-
-TEST(ProgramContacts, ACubeInACubeIsCloseWithItsTop) {
-  const Folder folder;
-  // The top of the inner cube is half a unit below one of the two triangles of the outer top; all else is farther.
-  const std::string outer = folder.store("outer.obj", cube({}, 3)), inner = folder.store("inner.obj", cube({}, 0.5));
-  const auto ask = [&](const std::string& which) {
-    const Outcome outcome = run("contacts " + outer + ' ' + inner + " --pose-b 1.5,-1.5,2,1,0,0,0 --json " + which);
-    EXPECT_EQ(outcome.exit_code, 0);
-    EXPECT_EQ(
-        outcome.err,
-        "limber: contacts: warning: B lies inside A without touching it; models are surfaces, not solids, so they "
-        "do not collide\n");
-    nlohmann::json json = nlohmann::json::parse(outcome.out);
-    EXPECT_EQ(json["inside"], "b_inside_a");
-    EXPECT_EQ(json["intersecting"], 0);
-    return json;
-  };
-  EXPECT_EQ(ask("--intersections")["count"], 0);
-  EXPECT_EQ(ask("--margin 0")["count"], 0);
-  EXPECT_EQ(ask("--margin 0.4")["count"], 0);
-  const nlohmann::json close = ask("--margin 0.6");
-  EXPECT_EQ(close["count"], 10);  // all triangles of the inner cube but those of its bottom reach up to its top
-  for (const nlohmann::json& pair : close["pairs"]) {
-    EXPECT_EQ(pair["triangle_a"], 10);
-    EXPECT_GE(pair["triangle_b"].get<int>(), 2);
-    EXPECT_EQ(pair["distance"], 0.5);
-    EXPECT_EQ(pair["depth"], 0);
-    EXPECT_EQ(point_of(pair["normal"]), (Vec3{0, 0, -1}));
-    EXPECT_EQ(point_of(pair["point_a"]).z, 3);
-    EXPECT_LE(max_abs(point_of(pair["point_b"]) - point_of(pair["point_a"]) + Vec3{0, 0, 0.5}), 1e-15);
-    EXPECT_EQ(pair["feature_a"], "face");
-    EXPECT_EQ(pair["normal_side"], "inward");  // from the inside of the outer cube
-  }
-  EXPECT_EQ(ask("--closest 7")["count"], 7);
-  EXPECT_EQ(ask("--closest 7")["closest"], 7);
-  EXPECT_EQ(ask("--closest 1000000")["count"], 144);
+  const nlohmann::json closest = json_of(question + "--closest 1000000");
+  EXPECT_EQ(closest["closest"], 1000000);
+  EXPECT_EQ(closest["count"], 4);  // of all pairs
 }
 
 TEST(ProgramContacts, RowsAndObjectsAreTheContactsOfTheLibrary) {
@@ -184,8 +150,6 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   const Folder folder;
   const Model strip(folded_strip(0.25, 0.25));
   const std::string line = "self " + folder.store("strip.obj", strip.mesh());
-  std::map<std::pair<TriangleId, TriangleId>, Contact> expected;
-  visit_self_contacts(strip, 0.3, [&](const Contact& c) { return expected[{c.triangle_a, c.triangle_b}] = c, true; });
   const nlohmann::json overview = json_of(line);
   EXPECT_EQ(overview["is_yes"], false);
   EXPECT_EQ(overview["count"], 0);
@@ -193,12 +157,9 @@ TEST(ProgramSelf, AStripThatIsFoldedAboveItselfIsClose) {
   EXPECT_EQ(overview["distance"]["witness"]["triangle_a"], self_distance(strip).witness->triangle_a);
   EXPECT_EQ(json_of(line + " --closest 1")["pairs"][0]["distance"], overview["distance"]["upper"]);
   const nlohmann::json close = json_of(line + " --margin 0.3");
-  ASSERT_EQ(ids_of(close).size(), expected.size());
-  for (const nlohmann::json& pair : close["pairs"]) {
-    const Contact& contact = expected.at({pair["triangle_a"], pair["triangle_b"]});
-    EXPECT_EQ(pair["distance"], contact.distance);
-    EXPECT_EQ(point_of(pair["normal"]), contact.normal);
-  }
+  Ids expected;
+  visit_self_contacts(strip, 0.3, [&](const Contact& c) { return expected.emplace(c.triangle_a, c.triangle_b), true; });
+  EXPECT_EQ(ids_of(close), expected);
   EXPECT_EQ(close["pairs"].back()["distance"], 0.25);  // the last square lies flat over the first
   const std::string text = answer_to(line + " --margin 0.1");
   EXPECT_EQ(text.find("collision no\npairs     0, 0 of them at distance 0\ntests"), 0U) << text;

@@ -219,6 +219,9 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
   std::string points;
   for (int i = 0; i < 100'000; ++i) points += std::to_string(i) + ",1,2\n";
   points = folder_.store("many.csv", points);
+  std::string poses;
+  for (int i = 0; i < 100; ++i) poses += text_of(poses_);
+  poses = folder_.store("many_poses.csv", poses);
   const Folder outputs;
   const std::string out = outputs.path("out.csv"), page = outputs.path("page"), err = folder_.path("err");
   const std::string both = " --out " + out + " --report " + page;
@@ -226,7 +229,7 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
   for (const std::string& line :
        {"points " + ball_ + ' ' + points + " --out " + out, "distance --pairs " + pairs_ + both,
         "contacts scene:ball " + ball_ + " --margin 1 --out " + out,
-        "track --loop 99 --a scene:ball --b " + ball_ + " --poses-a " + poses_ + both}) {
+        "track --a scene:ball --b " + ball_ + " --poses-a " + poses + both}) {
     ASSERT_EQ(run(line).exit_code, 0) << line;
     const std::size_t line_count = lines_of(text_of(out)).size();
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {

@@ -92,10 +92,12 @@ TEST(ProgramReport, IsRefusedWhereItHasNoPlace) {
   const Folder folder;
   const std::string page = " --report " + folder.path("r.html"), frame = folder.store("0.obj", wave_sheet(2, 2, 0));
   const std::string track = "track --b scene:ball --a ", waving = track + frame + ' ' + frame;
+  std::string poses;
+  for (int i = 0; i <= 100'000; ++i) poses += "0,0,3,1,0,0,0\n";
   expect_all_refused(
       "", {{"distance scene:ball scene:ball --unit mm", "--report"},
            {"distance scene:ball scene:ball --title x", "--report"},
-           {waving + " --loop 60000" + page, "100000"},
+           {"track --a scene:ball --b scene:ball --poses-a " + folder.store("poses.csv", poses) + page, "100000"},
            {waving + " --max-report-mb 5", "--report"}});
   const std::string near = folder.store("near.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const std::string far = folder.store("far.obj", "v 0 0 1e40\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -221,17 +223,6 @@ TEST(ProgramStudy, HasTheWorstOfTooManyPairs) {
   }
 }
 
-TEST(ProgramStudy, OfTwoHundredPosesIsASmallPage) {
-  const Folder folder;
-  const std::string a = folder.store("a.obj", wave_sheet(100, 100, 1)),
-                    b = folder.store("b.obj", scenes::ball(100, 100));
-  std::string csv = "model_a,model_b,pose_b_tx,pose_b_tz\n";
-  for (int i = 0; i < 200; ++i) csv += a + ',' + b + ',' + std::to_string(0.5 * i) + ",3\n";
-  const Report report("distance --pairs " + folder.store("pairs.csv", csv) + " --min-clearance 1");
-  EXPECT_EQ(report.data["rows"]["a"].size(), 200U);
-  EXPECT_LT(report.page.size(), 3'000'000U);
-}
-
 /// The files of a waving sheet in frames 0 to `count` - 1.
 std::string waves(const Folder& folder, int count, std::uint32_t side) {
   Words files;
@@ -285,14 +276,6 @@ TEST(ProgramReplay, ThinsOutFramesOfPagesThatWouldBeTooLargeAndSaysSo) {
   EXPECT_EQ(report.data["rows"]["upper"].size(), 13U);
   EXPECT_EQ(report.data["models"][0]["frames"]["data"].size(), (13 + stride - 1) / stride);
   EXPECT_LT(report.page.size(), 1'200'000U);
-}
-
-TEST(ProgramReplay, FramesThatArePlayedAgainAreStoredOnce) {
-  const Folder folder;
-  const Report report("track --b scene:ball --loop 3 --a " + waves(folder, 4, 8));
-  EXPECT_EQ(report.data["frame_count"], 4);
-  EXPECT_EQ(report.data["rows"]["status"].size(), 12U);
-  EXPECT_EQ(report.data["models"][0]["frames"]["data"].size(), 4U);
 }
 
 }  // namespace

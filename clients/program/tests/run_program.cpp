@@ -46,8 +46,6 @@ nlohmann::json json_of(const std::string& line) {
   return json;
 }
 
-nlohmann::json object_of(const std::string& line) { return json_lines_of(run(line + " --json")).at(0); }
-
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome) {
   std::vector<nlohmann::json> rows;
   for (const std::string& line : lines_of(outcome.out)) rows.push_back(nlohmann::json::parse(line));

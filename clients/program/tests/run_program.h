@@ -38,9 +38,6 @@ std::string answer_to(const std::string& line);
 /// The one line of JSON that such a run prints; fails the test on anything else. The line is run with --json.
 nlohmann::json json_of(const std::string& line);
 
-/// The same, whatever the exit code and the warnings.
-nlohmann::json object_of(const std::string& line);
-
 /// The objects of an answer with one in each line, whatever the exit code.
 std::vector<nlohmann::json> json_lines_of(const Outcome& outcome);
 

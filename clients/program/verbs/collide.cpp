@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "answers/answers.h"
-#include "command/options.h"
 #include "command/text.h"
 #include "command/verb.h"
 #include "limber/distance.h"
@@ -102,16 +101,10 @@ Verb add_within(CLI::App& app) {
   add_pair_arguments(command, arguments->pair, "the models are within the distance");
   add_number(command, "--max-distance", arguments->max_distance, not_negative,
              "the distance, in the meshes' length unit")
-      ->type_name("LENGTH")
       ->required();
   command.footer(std::string(R"(
 Stops at the first pair of points at most --max-distance apart, so it is faster than the distance itself. The witness
-is that pair, not the closest one: points in the world frame, in the meshes' length unit, with the triangles and the
-faces of the files that they lie on, all counted from 0; the parts of a file that has several are named. Times are in
-microseconds.
-
-Models are surfaces, not solids. Where a closed model has the other inside without touching it, a warning says so, and
-the field inside in JSON.
+is that pair, not the closest one; else it is as limber collide tells it, and so is what lies inside.
 
 With --path-a or --path-b path_time is when the models first are within the distance: before, they are farther apart.
 Then they may be farther apart by up to 2^-20 of the sum of their radii. inside is about the start of the path.

@@ -11,7 +11,6 @@
 
 #include "answers/answers.h"
 #include "answers/contact_answers.h"
-#include "command/options.h"
 #include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
@@ -236,58 +235,44 @@ struct SelfArguments {
   ContactArguments contacts;
 };
 
-struct SelfAnswer {
-  FoundContacts found;
-  std::optional<DistanceResult> distance;  ///< the shortest one of triangles that are no neighbors
-  std::optional<FoundWitness> witness;
-  QueryStats stats;
-  double elapsed_us = 0;
-};
-
-SelfAnswer answer_to(const ContactArguments& arguments, const RigidModel& model, std::size_t room) {
+ExitCode run(const SelfArguments& arguments) {
+  const ContactArguments& asked = arguments.contacts;
+  const RigidModel model(load_mesh_argument(arguments.model));
+  ContactOutput output(asked);
   const Model& tree = model.model();
   const std::uint64_t triangle_count = tree.mesh().triangles().size();
-  SelfAnswer answer;
-  answer.found = find(
-      arguments, room, triangle_count * (triangle_count - 1) / 2,
+  FoundContacts found = find(
+      asked, output.room(), triangle_count * (triangle_count - 1) / 2,
       [&](std::span<Contact> closest) { return self_closest_pairs(tree, closest); },
       [&](double margin, ContactCollector& visit) { return visit_self_contacts(tree, margin, visit); },
       [&](ContactCollector& visit) { return visit_self_intersections(tree, visit); });
-  set_faces(answer.found, model, model);
-  answer.stats = answer.found.stats;
-  answer.elapsed_us = answer.found.elapsed_us;
-  if (arguments.margin || arguments.intersections || arguments.closest) return answer;
-  const Stopwatch asking;
-  answer.distance = self_distance(tree);
-  answer.elapsed_us = rounded_us(answer.elapsed_us + asking.microseconds());
-  answer.witness = with_faces(answer.distance->witness, model, model);
-  answer.stats += answer.distance->stats;
-  return answer;
-}
-
-ExitCode run(const SelfArguments& arguments) {
-  const RigidModel model(load_mesh_argument(arguments.model));
-  ContactOutput output(arguments.contacts);
-  const SelfAnswer answer = answer_to(arguments.contacts, model, output.room());
-  const FoundContacts& found = answer.found;
+  set_faces(found, model, model);
+  std::optional<DistanceResult> distance;  // the shortest one of triangles that are no neighbors
+  if (!asked.margin && !asked.intersections && !asked.closest) {
+    const Stopwatch asking;
+    distance = self_distance(tree);
+    found.elapsed_us = rounded_us(found.elapsed_us + asking.microseconds());
+    found.stats += distance->stats;
+  }
   const bool is_yes = found.intersecting_count > 0;
+  const auto witness = with_faces(distance ? distance->witness : std::nullopt, model, model);
   const auto json = [&] {
     Json object = {{"query", "self"}, {"is_yes", is_yes}};
-    object["margin"] = to_json(arguments.contacts.margin);
-    object["closest"] = to_json(arguments.contacts.closest);
+    object["margin"] = to_json(asked.margin);
+    object["closest"] = to_json(asked.closest);
     object["distance"] = nullptr;
-    if (answer.distance) append_distance(object["distance"], *answer.distance, answer.witness);
+    if (distance) append_distance(object["distance"], *distance, witness);
     append_contacts(object, found);
-    append_work(object, answer.stats, model.build_us(), answer.elapsed_us);
+    append_work(object, found.stats, model.build_us(), found.elapsed_us);
     return object;
   };
   output.write(found, json, [&] {
     write_line("collision {}", is_yes ? "yes" : "no");
     write_count_line(found);
-    if (answer.distance) write_distance_lines(*answer.distance, answer.witness);
-    write_work_lines(answer.stats, model.build_us(), answer.elapsed_us);
+    if (distance) write_distance_lines(*distance, witness);
+    write_work_lines(found.stats, model.build_us(), found.elapsed_us);
   });
-  return arguments.contacts.exit_code && found.count > 0 ? ExitCode::found : ExitCode::answered;
+  return asked.exit_code && found.count > 0 ? ExitCode::found : ExitCode::answered;
 }
 
 constexpr const char* self_help = R"(

@@ -20,7 +20,6 @@
 #include <utility>
 #include <vector>
 
-#include "command/options.h"
 #include "command/output.h"
 #include "command/text.h"
 #include "command/verb.h"
@@ -270,9 +269,8 @@ TrackRow row_of(std::size_t number, const DemoFrame& frame) {
 Json page_of(const DemoRun& run) {
   const DemoArguments& arguments = run.arguments;
   const Mesh sheet = first_sheet();
-  Replay replay(
-      {run.frames.size(), run.frames.size(), {}, words_of(arguments.model), arguments.query, {}, most_megabytes},
-      {ReplayedModel{"sheet", sheet, true, false}, ReplayedModel{"ball", run.ball, false, true}});
+  Replay replay({run.frames.size(), {}, words_of(arguments.model), arguments.query, {}, most_megabytes},
+                {ReplayedModel{"sheet", sheet, true, false}, ReplayedModel{"ball", run.ball, false, true}});
   std::vector<Vec3> positions = sheet.positions();
   scenes::Rng rng(arguments.seed);
   for (std::size_t f = 0; f < run.frames.size(); ++f) {

@@ -14,7 +14,6 @@
 
 #include "answers/answers.h"
 #include "answers/parts.h"
-#include "command/options.h"
 #include "command/run_files.h"
 #include "command/text.h"
 #include "command/verb.h"
@@ -347,17 +346,14 @@ Verb add_distance(CLI::App& app, const std::string& command_line) {
   for (const char* const name : {"A", "B"}) command.get_option(name)->required(false);
   add_distance_options(command, arguments->options);
   add_number(command, "--distance-error", arguments->distance_error, not_negative,
-             "with --path-a and --path-b: how far apart lower and upper are at most; 0 is as exact as it gets")
-      ->type_name("LENGTH");
+             "with --path-a and --path-b: how far apart lower and upper are at most; 0 is as exact as it gets");
   add_min_clearance(
       command, arguments->min_clearance,
       "exit with 3 instead of 0 when a pair is closer than this length, or a hard clash; at most --max-distance");
   add_number(command, "--tolerance", arguments->tolerances.overlap, not_negative,
-             "closed models that are proven to be no deeper in each other than this length only touch")
-      ->type_name("LENGTH");
+             "closed models that are proven to be no deeper in each other than this length only touch");
   add_number(command, "--mesh-error", arguments->tolerances.mesh_error, not_negative,
-             "how far each mesh is from the part that it stands for at most; a pair is off by twice that")
-      ->type_name("LENGTH");
+             "how far each mesh is from the part that it stands for at most; a pair is off by twice that");
   add_file(command, "--pairs", arguments->pairs, "CSV",
            "instead of A and B: a CSV file with a pair of models in each row; the answer is CSV too, or with --json an "
            "object for each row");

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "answers/models.h"
-#include "command/options.h"
 #include "command/output.h"
 #include "command/text.h"
 #include "command/verb.h"
@@ -143,7 +142,7 @@ std::string value_text(const Json& json) {
   if (json.is_boolean()) return json.get<bool>() ? "yes" : "no";
   if (json.is_number_float()) return to_text(json.get<double>());
   if (!json.is_array()) return json.dump();
-  return to_text(Vec3{json[0], json[1], json[2]}, " ");
+  return to_text(Vec3{json[0], json[1], json[2]});
 }
 
 void write_lines(const Json& json) {

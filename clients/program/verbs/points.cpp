@@ -9,7 +9,6 @@
 
 #include "answers/contact_answers.h"
 #include "answers/models.h"
-#include "command/options.h"
 #include "command/output.h"
 #include "command/run_files.h"
 #include "command/text.h"
@@ -24,61 +23,32 @@ struct PointsArguments {
   std::string model, points, out = "-";
   Transform pose;
   PointOptions options;
-  bool is_signed = false, has_winding_number = false, json = false;
+  bool is_signed = false, json = false;
 };
 
-/// What is found for one point.
-struct PointAnswer {
-  PointResult result;
-  std::optional<bool> is_inside;
-  std::optional<double> winding_number;
+/// Errors   BadInput unless the model is closed.
+ClosedSurface surface_of(const RigidModel& model, const std::string& name) {
+  if (model.surface()) return *model.surface();
+  throw BadInput(fmt::format("--signed: {}: {}", name, model.surface().error().text));
+}
 
-  /// Negative inside. Pre: result.closest.
-  double distance() const { return SignedDistance{is_inside.value_or(false), result.closest, result.stats}.distance(); }
-};
-
-/// Asks about some points at a time, on all threads.
-class PointAsker {
- public:
-  PointAsker(const RigidModel& model, const PointsArguments& arguments) : model_(model), arguments_(arguments) {
-    if (!arguments.is_signed) return;
-    Result<ClosedSurface> surface = ClosedSurface::create(model.model());
-    if (!surface) {
-      throw BadInput(fmt::format("--signed: {}: {}; --generalized-winding-number tells about any surface",
-                                 arguments.model, surface.error().text));
-    }
-    surface_.emplace(*surface);
-  }
-
-  std::vector<PointAnswer> ask(std::span<const Vec3> points) const {
-    std::vector<PointAnswer> answers(points.size());
-    const Placed placed{model_.model(), arguments_.pose};
-    if (surface_) {
-      std::vector<SignedDistance> distances(points.size());
-      surface_->signed_distance_many(points, distances, arguments_.pose, arguments_.options);
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        answers[i] = {{distances[i].closest, distances[i].stats}, distances[i].is_inside, std::nullopt};
-      }
-    } else {
-      std::vector<PointResult> results(points.size());
-      closest_point_many(placed, points, results, arguments_.options);
-      for (std::size_t i = 0; i < points.size(); ++i) answers[i].result = results[i];
-    }
-    for (std::size_t i = 0; arguments_.has_winding_number && i < points.size(); ++i) {
-      answers[i].winding_number = generalized_winding_number(placed, points[i]);
-    }
+/// Asks about some points, on all threads. Without a surface no point is inside.
+std::vector<SignedDistance> ask(const RigidModel& model, const std::optional<ClosedSurface>& surface,
+                                const PointsArguments& arguments, std::span<const Vec3> points) {
+  std::vector<SignedDistance> answers(points.size());
+  if (surface) {
+    surface->signed_distance_many(points, answers, arguments.pose, arguments.options);
     return answers;
   }
+  std::vector<PointResult> results(points.size());
+  closest_point_many({model.model(), arguments.pose}, points, results, arguments.options);
+  for (std::size_t i = 0; i < points.size(); ++i) answers[i].closest = results[i].closest;
+  return answers;
+}
 
- private:
-  const RigidModel& model_;
-  const PointsArguments& arguments_;
-  std::optional<ClosedSurface> surface_;
-};
-
-Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, std::uint32_t face) {
+Json row_of(std::size_t number, const Vec3& point, const SignedDistance& answer, std::uint32_t face, bool is_signed) {
   Json json = {{"row", number}, {"point", to_json(point)}, {"distance", nullptr}, {"closest", nullptr}};
-  if (const std::optional<SurfacePoint>& closest = answer.result.closest) {
+  if (const std::optional<SurfacePoint>& closest = answer.closest) {
     json["distance"] = answer.distance();
     json["closest"] = {{"position", to_json(closest->position)},
                        {"triangle", closest->triangle},
@@ -86,34 +56,33 @@ Json row_of(std::size_t number, const Vec3& point, const PointAnswer& answer, st
                        {"feature", to_text(closest->feature)},
                        {"weights", to_json(closest->weights)}};
   }
-  if (answer.is_inside) json["is_inside"] = *answer.is_inside;
-  if (answer.winding_number) json["generalized_winding_number"] = *answer.winding_number;
+  if (is_signed) json["is_inside"] = answer.is_inside;
   return json;
 }
 
-AnswerColumns columns_of(bool is_signed, bool has_winding_number) {
-  PointAnswer sample;
-  sample.result.closest.emplace();
-  if (is_signed) sample.is_inside = false;
-  if (has_winding_number) sample.winding_number = 0;
-  return AnswerColumns(row_of(0, {}, sample, 0));
+AnswerColumns columns_of(bool is_signed) {
+  SignedDistance sample;
+  sample.closest.emplace();
+  return AnswerColumns(row_of(0, {}, sample, 0, is_signed));
 }
 
 ExitCode run(const PointsArguments& arguments) {
   const std::vector<Vec3> points = read_points(arguments.points);
   const RigidModel model(load_mesh_argument(arguments.model));
-  const PointAsker asker(model, arguments);
+  std::optional<ClosedSurface> surface;
+  if (arguments.is_signed) surface.emplace(surface_of(model, arguments.model));
   OutputFile out("--out", arguments.out);
-  const AnswerColumns columns = columns_of(arguments.is_signed, arguments.has_winding_number);
+  const AnswerColumns columns = columns_of(arguments.is_signed);
   if (!arguments.json) out.write(columns.header());
-  const std::size_t at_once = arguments.has_winding_number ? 64 : 4096;  // some 0.1 s of work, or 2 ms
+  constexpr std::size_t at_once = 4096;  // some 2 ms of work
   for (std::size_t begin = 0; begin < points.size(); begin += at_once) {
     const auto some = std::span(points).subspan(begin, std::min(at_once, points.size() - begin));
-    const std::vector<PointAnswer> answers = asker.ask(some);
+    const std::vector<SignedDistance> answers = ask(model, surface, arguments, some);
     std::string text;
     for (std::size_t i = 0; i < some.size(); ++i) {
-      const std::optional<SurfacePoint>& closest = answers[i].result.closest;
-      const Json row = row_of(begin + i, some[i], answers[i], closest ? model.face_of(closest->triangle) : 0);
+      const std::optional<SurfacePoint>& closest = answers[i].closest;
+      const Json row =
+          row_of(begin + i, some[i], answers[i], closest ? model.face_of(closest->triangle) : 0, arguments.is_signed);
       text += arguments.json ? to_line(row) : columns.line(row);
     }
     out.write_rows(text);
@@ -135,9 +104,7 @@ Where nothing is as close as --max-distance, these cells are empty, and distance
 from 0.
 
 --signed needs a closed model: every edge belongs to two triangles that run through it in opposite directions. is_inside
-is decided exactly. --generalized-winding-number tells about any other model: the part of the point's surroundings that
-it covers, about 1 inside and 0 outside where normals point outward, so 0.5 parts them. It looks at every triangle for
-every point.
+is decided exactly. generalized_winding_number() in C++ and Python tells about any other model.
 
 Example:
 
@@ -156,14 +123,11 @@ Verb add_points(CLI::App& app) {
   add_file(command, "POINTS", arguments->points, "CSV", "CSV file with a point in each row")->required();
   add_pose(command, "--pose", arguments->pose, "the model");
   command.add_flag("--signed", arguments->is_signed, "also whether points are inside; then their distance is negative");
-  command.add_flag("--generalized-winding-number", arguments->has_winding_number,
-                   "also how often the surface winds around each point, open or not; slow");
   add_number(command, "--max-distance", arguments->options.max_distance, not_negative_or_infinite,
-             "closest points farther away are not told, which is faster")
-      ->type_name("LENGTH");
+             "closest points farther away are not told, which is faster");
   add_out(command, arguments->out);
   command.add_flag("--json", arguments->json, "answer with a JSON object for each point instead of CSV");
-  command.footer(points_help + columns_of(true, true).help() + ", the last two where they are asked for.");
+  command.footer(points_help + columns_of(true).help() + ", the last one with --signed.");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -104,15 +104,15 @@ Json Replay::Model::part(std::size_t number) const {
 Replay::Replay(Sequence sequence, const std::array<ReplayedModel, 2>& models)
     : sequence_(std::move(sequence)), models_{Model(models[0]), Model(models[1])}, contacts_(Json::array()) {
   for (const std::string& name : sequence_.contact_names) contacts_.push_back({{"name", name}});
-  if (sequence_.row_count > most_rows) {
+  if (sequence_.frame_count > most_rows) {
     throw BadInput(
-        fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.row_count));
+        fmt::format("--report: a page has room for {} frames, and there are {}", most_rows, sequence_.frame_count));
   }
 }
 
 void Replay::add(const TrackRow& row, const std::array<ReplayedState, 2>& states) {
   add_row(row);
-  if (row.frame >= sequence_.frame_count || row.frame % stride_ != 0) return;
+  if (row.frame % stride_ != 0) return;
   for (std::size_t m = 0; m < models_.size(); ++m) models_[m].add(states[m]);
   while (static_cast<double>(models_[0].byte_count() + models_[1].byte_count()) >
              most_frame_bytes(sequence_.max_megabytes) &&
@@ -134,8 +134,7 @@ void Replay::add_row(const TrackRow& row) {
 Json Replay::to_json() const {
   Json rows = rows_;
   for (std::size_t r = 0; r < rows["witness"].size(); ++r) {
-    const bool is_kept = r % sequence_.frame_count % stride_ == 0;
-    if (!is_kept) rows["witness"][r] = nullptr;  // no picture shows it
+    if (r % stride_ != 0) rows["witness"][r] = nullptr;  // no picture shows it
   }
   Json json = {{"kind", "frames"}, {"engine", sequence_.engine}};
   json.update(settings_of(sequence_.query, sequence_.min_clearance));

@@ -11,9 +11,9 @@
 
 #include "answers/answers.h"
 #include "answers/contact_answers.h"
-#include "formats/position_frames.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "reports/page_data.h"
 
 /// What `limber track` says about each frame, and what the viewer plays: two models that move and deform, and what was
 /// asked about them.
@@ -72,7 +72,7 @@ class Replay {
   static constexpr std::size_t most_rows = 100'000;  ///< that charts have room for
 
   struct Sequence {
-    std::size_t frame_count = 0, row_count = 0;  ///< a sequence that is played again has more rows than frames
+    std::size_t frame_count = 0;
     Names contact_names;
     std::string engine;  ///< its settings in words
     DistanceOptions query;

@@ -14,7 +14,6 @@
 #include "answers/contact_answers.h"
 #include "answers/models.h"
 #include "answers/parts.h"
-#include "command/options.h"
 #include "command/output.h"
 #include "command/run_files.h"
 #include "command/text.h"
@@ -27,8 +26,6 @@
 
 namespace limber::program {
 namespace {
-
-constexpr std::uint64_t max_loops = 1'000'000;
 
 struct ModelArguments {
   std::vector<std::string> frames;
@@ -44,7 +41,6 @@ struct TrackArguments {
   bool contacts = false;         // pairs of triangles of the two models are counted
   bool self_contacts = false;    // pairs of triangles of each deforming model with itself are counted
   std::optional<double> margin;  // of both kinds of pairs
-  std::uint64_t loops = 1;
   bool json = false;
   std::string out = "-";
   ReportArguments report;
@@ -78,14 +74,12 @@ std::optional<MeshSequence> opened(const std::vector<std::string>& names) {
 /// One of the two models, which is moved from frame to frame. Errors: BadInput, from every function that reads.
 class TrackedModel {
  public:
-  /// Frames that come again are read once if the sequence `is_repeated`.
-  TrackedModel(const ModelArguments& arguments, const ModelOptions& options, bool is_repeated)
+  TrackedModel(const ModelArguments& arguments, const ModelOptions& options)
       : names_(arguments.frames),
         sequence_(opened(names_)),
         scene_(sequence_ ? std::optional<MeshFile>() : load_mesh_argument(names_.front())),
         poses_(arguments.poses.empty() ? std::vector<Transform>(1) : read_poses(arguments.poses)),
-        model_(first().mesh, options),
-        cached_(is_repeated ? names_.size() : 0) {}
+        model_(first().mesh, options) {}
 
   const std::string& name() const { return names_.front(); }
   bool deforms() const { return names_.size() > 1; }
@@ -119,14 +113,8 @@ class TrackedModel {
  private:
   const MeshFile& first() const { return sequence_ ? sequence_->first() : *scene_; }
 
-  std::vector<Vec3> positions(std::size_t frame) {
-    if (cached_.empty()) return read(frame);
-    if (!cached_[frame]) cached_[frame] = read(frame);
-    return *cached_[frame];
-  }
-
   /// Frame 0 is in memory; any other is read, and nothing of it is kept.
-  std::vector<Vec3> read(std::size_t frame) const {
+  std::vector<Vec3> positions(std::size_t frame) const {
     if (frame == 0) return first().mesh.positions();
     // Of glTF alone, a frame may have further files, which the sequence does not name.
     const std::string type = std::filesystem::path(names_[frame]).extension().string();
@@ -140,27 +128,19 @@ class TrackedModel {
   std::vector<Transform> poses_;   // world_from_model
   std::size_t pose_ = 0;
   Model model_;
-  std::vector<std::optional<std::vector<Vec3>>> cached_;  // by frame; empty when no frame comes twice
 };
 
-/// A list with one entry for every frame, or one entry for all frames.
-struct FrameList {
-  const char* name;  ///< as the user knows it
-  std::size_t length;
-};
-
-/// The length of the longest list. Throws BadInput naming two lists that are longer than one and differ.
-std::size_t common_frame_count(const std::vector<FrameList>& lists) {
-  FrameList longest{"", 1};
-  for (const FrameList& list : lists) {
-    if (list.length == 1) continue;
-    if (longest.length > 1 && list.length != longest.length) {
-      throw BadInput(
-          fmt::format("{} has {} frames, but {} has {}", longest.name, longest.length, list.name, list.length));
+/// The length of the lists that are longer than one. Throws BadInput naming two of them that differ.
+std::size_t common_frame_count(const std::vector<std::pair<const char*, std::size_t>>& lists) {
+  std::pair<const char*, std::size_t> longest{"", 1};
+  for (const auto& [name, length] : lists) {
+    if (length == 1) continue;
+    if (longest.second > 1 && length != longest.second) {
+      throw BadInput(fmt::format("{} has {} frames, but {} has {}", longest.first, longest.second, name, length));
     }
-    longest = list;
+    longest = {name, length};
   }
-  return longest.length;
+  return longest.second;
 }
 
 /// Two models, or one and itself, whose contacts are counted in each frame, and what their columns start with.
@@ -202,10 +182,10 @@ FrameContacts find_contacts(const AskedPair& asked, double margin) {
   return answer;
 }
 
-TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::size_t number, std::size_t frame,
+TrackRow track_frame(TrackedModel& a, TrackedModel& b, const Asked& asked, std::size_t frame,
                      const TrackArguments& arguments) {
   TrackRow row;
-  row.frame = number;
+  row.frame = frame;
   row.update += a.go_to(frame);
   row.update += b.go_to(frame);
   const Stopwatch asking;
@@ -241,11 +221,9 @@ TrackRow sample_row(const TrackArguments& arguments, const Asked& asked) {
 
 ExitCode run(const TrackArguments& arguments) {
   check_options(arguments);
-  TrackedModel a(arguments.a, arguments.model, arguments.loops > 1);
-  TrackedModel b(arguments.b, arguments.model, arguments.loops > 1);
+  TrackedModel a(arguments.a, arguments.model), b(arguments.b, arguments.model);
   const std::size_t frame_count = common_frame_count(
       {{"--a", a.mesh_count()}, {"--b", b.mesh_count()}, {"--poses-a", a.pose_count()}, {"--poses-b", b.pose_count()}});
-  const std::size_t row_count = frame_count * arguments.loops;
   const Asked asked = asked_about(arguments, a, b);
   std::optional<Replay> replay;
   if (!arguments.report.path.empty()) {
@@ -254,7 +232,7 @@ ExitCode run(const TrackArguments& arguments) {
     const auto replayed = [](const TrackedModel& model) {
       return ReplayedModel{shown_name(model.name()), model.model().mesh(), model.deforms(), model.pose_count() > 1};
     };
-    replay.emplace(Replay::Sequence{frame_count, row_count, contact_names, words_of(arguments.model), arguments.query,
+    replay.emplace(Replay::Sequence{frame_count, contact_names, words_of(arguments.model), arguments.query,
                                     arguments.min_clearance, arguments.max_report_megabytes},
                    std::array{replayed(a), replayed(b)});
   }
@@ -264,8 +242,8 @@ ExitCode run(const TrackArguments& arguments) {
   const AnswerColumns columns(to_json(sample_row(arguments, asked)));
   if (!arguments.json) out.write(columns.header());
   ExitCode exit_code = ExitCode::answered;
-  for (std::size_t r = 0; r < row_count; ++r) {
-    const TrackRow row = track_frame(a, b, asked, r, r % frame_count, arguments);
+  for (std::size_t frame = 0; frame < frame_count; ++frame) {
+    const TrackRow row = track_frame(a, b, asked, frame, arguments);
     if (row.too_close.value_or(false)) exit_code = ExitCode::found;
     if (replay) replay->add(row, {a.state(), b.state()});
     const Json json = to_json(row);
@@ -340,7 +318,6 @@ Verb add_track(CLI::App& app, const std::string& command_line) {
                    "also count the pairs of triangles of each deforming model with itself");
   add_margin(command, arguments->margin,
              "with --contacts and --self: how far apart pairs are at most; without it they have to intersect");
-  add_count(command, "--loop", arguments->loops, {1, max_loops}, "how often the sequence is played");
   command.add_flag("--json", arguments->json, "answer with one JSON object per frame instead of CSV");
   add_out(command, arguments->out);
   CLI::Option* const report =

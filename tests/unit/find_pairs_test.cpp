@@ -150,7 +150,7 @@ TEST(CountingCollector, CountsWhatBruteForceDoesInRandomScenes) {
   Rng rng(801);
   std::uint64_t counted = 0;
   for (int i = 0; i < 500; ++i) {
-    const Scene s = arbitrary_scene(rng);
+    const auto s = arbitrary_scene(rng);
     const Model model_a(s.mesh_a), model_b(s.mesh_b);
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
     // Pairs within rounding of the limit may count or not; contacts are exact.

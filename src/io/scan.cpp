@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/text_scan.h"
+#include "io/scan.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 // WebAssembly brings a std::from_chars of its own: clients/javascript/src/missing_from_libcxx.h.
 #if defined(_LIBCPP_VERSION) && (_LIBCPP_VERSION < 200000 || defined(__APPLE__)) && !defined(__EMSCRIPTEN__)
@@ -130,20 +129,22 @@ Number number(std::string_view word) {
   return std::isfinite(value) ? Number{NumberKind::finite, value} : Number{NumberKind::non_finite, 0};
 }
 
-Result<void> take_position(std::string_view& words, std::size_t vertex, Vec3& position) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::string_view word = take_word(words);
-    const Number coordinate = number(word);
-    if (coordinate.kind != NumberKind::finite) return bad_coordinate(word, coordinate.kind, vertex);
-    position[axis] = coordinate.value;
+double coordinate(std::string_view word, std::size_t vertex) {
+  const Number read = number(word);
+  if (read.kind == NumberKind::non_finite) {
+    throw BadResult({ErrorCode::non_finite, "vertex " + std::to_string(vertex) + " is not finite", vertex});
   }
-  return {};
+  if (read.kind == NumberKind::none) {
+    throw malformed("vertex", vertex,
+                    word.empty() ? "fewer than three coordinates" : in_quotes(word) + " is not a number");
+  }
+  return read.value;
 }
 
-Error bad_coordinate(std::string_view word, NumberKind kind, std::size_t vertex) {
-  if (kind == NumberKind::non_finite) return not_finite(vertex);
-  return malformed("vertex", vertex,
-                   word.empty() ? "fewer than three coordinates" : in_quotes(word) + " is not a number");
+Vec3 take_position(std::string_view& words, std::size_t vertex) {
+  Vec3 position;
+  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] = coordinate(take_word(words), vertex);
+  return position;
 }
 
 }  // namespace limber::io

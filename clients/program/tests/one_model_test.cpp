@@ -1,7 +1,14 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// One model: `limber info` and `limber points`.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <sstream>
+
+#include "limber/model.h"
+#include "limber/points.h"
 #include "run_program.h"
 
 namespace limber::program_tests {
@@ -78,6 +85,60 @@ TEST(ProgramInfo, FindsNothingWrongWithBuiltInMeshes) {
                            "open edges             400\n", " of them leaves\n", "extent high            100 100 0\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   }
+}
+
+TEST(ProgramPoints, AnswersEachRowAsTheLibraryDoes) {
+  const Folder folder;
+  const Mesh mesh = scenes::ball(12, 7);
+  const std::string model = folder.store("ball.obj", mesh.view());
+  scenes::Rng rng(31);
+  std::vector<Vec3> points(4200);
+  std::ostringstream text;
+  text.precision(17);
+  text << "x,y,z\n";
+  for (Vec3& p : points) {
+    p = {rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(-2, 2)};
+    text << p.x << ',' << p.y << ',' << p.z << '\n';
+  }
+  const std::string file = folder.store("points.csv", text.str());
+  const Transform pose{{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {0.5, 0.25, 0}};
+  const std::string line =
+      "points " + model + ' ' + file + " --pose 0.5,0.25,0,0.5,0.5,0.5,0.5 --max-distance 1.25 --signed";
+  const std::vector<nlohmann::json> objects = json_rows_of(line);
+  ASSERT_EQ(objects.size(), points.size());
+  const Model ball(mesh);
+  const ClosedSurface surface = ClosedSurface::create(ball).value();
+  int beyond = 0, inside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    SCOPED_TRACE(i);
+    const nlohmann::json& object = objects[i];
+    const SignedDistance truth = surface.signed_distance(points[i], pose, {.max_distance = 1.25});
+    EXPECT_EQ(object["row"], i);
+    EXPECT_EQ(point_of(object["point"]), points[i]);
+    EXPECT_EQ(object["is_inside"], truth.is_inside);
+    inside += truth.is_inside ? 1 : 0;
+    if (!truth.closest) {
+      ++beyond;
+      EXPECT_TRUE(object["distance"].is_null() && object["closest"].is_null());
+      continue;
+    }
+    EXPECT_EQ(object["distance"], truth.distance());
+    EXPECT_EQ(point_of(object["closest"]["position"]), truth.closest->position);
+    EXPECT_EQ(object["closest"]["triangle"], truth.closest->triangle);
+    EXPECT_EQ(object["closest"]["face"], truth.closest->triangle);
+    EXPECT_EQ(point_of(object["closest"]["weights"]), truth.closest->weights);
+  }
+  EXPECT_GT(beyond, 10);
+  EXPECT_GT(inside, 5);
+}
+
+TEST(ProgramPoints, ReadsColumnsInAnyOrderOrNone) {
+  const Folder folder;
+  const std::string plain = folder.store("plain.csv", "# no names\n0,0,3\n\n1,2,3\n");
+  const std::string named = folder.store("named.csv", "id,z,x,y\r\na,3,0,0\r\nb,3,1,2\r\n");
+  const std::string answer = answer_to("points scene:ball " + plain);
+  EXPECT_EQ(lines_of(answer)[1], "0,0,0,3,2,0,0,1,0,0,vertex 0,1,0,0");
+  EXPECT_EQ(answer_to("points scene:ball " + named), answer);
 }
 
 }  // namespace

@@ -2,14 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <bit>
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
+#include "base/check.h"
 #include "io/soup.h"
 
-/// Words, lines and numbers of mesh files, independent of any locale.
+/// Words, lines and numbers of text files, independent of any locale, and numbers of binary files, whatever the byte
+/// order of the machine.
 namespace limber::io {
 
 inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
@@ -34,6 +38,9 @@ inline std::string_view take_word(std::string_view& rest) {
   rest.remove_prefix(end);
   return word;
 }
+
+/// Takes blanks off both ends.
+std::string_view trimmed(std::string_view text);
 
 /// The front of `line` up to a comment, which "1.#INF" is not.
 std::string_view without_comment(std::string_view line);
@@ -70,12 +77,29 @@ struct Number {
 /// like, which Microsoft's runtime wrote, are not finite either.
 Number number(std::string_view word);
 
+/// The number that a word is, or else an error that names the vertex.
+double coordinate(std::string_view word, std::size_t vertex);
 /// Takes three coordinates off the front of `words`.
-///
-/// Errors   `non_finite` or `malformed_file` naming the vertex.
-Result<void> take_position(std::string_view& words, std::size_t vertex, Vec3& position);
+Vec3 take_position(std::string_view& words, std::size_t vertex);
 
-/// Why a word is no coordinate of a vertex.
-Error bad_coordinate(std::string_view word, NumberKind kind, std::size_t vertex);
+enum class ByteOrder { little, big };
+
+/// The unsigned integer that all of `bytes`, at most eight of them, make up.
+inline std::uint64_t unsigned_number(std::string_view bytes, ByteOrder order = ByteOrder::little) {
+  LIMBER_ASSERT(bytes.size() <= 8);
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    bits = bits << 8U | static_cast<unsigned char>(bytes[order == ByteOrder::big ? i : bytes.size() - 1 - i]);
+  }
+  return bits;
+}
+
+/// A float32 of four bytes or a float64 of eight.
+inline double float_number(std::string_view bytes, ByteOrder order = ByteOrder::little) {
+  LIMBER_ASSERT(bytes.size() == 4 || bytes.size() == 8);
+  const std::uint64_t bits = unsigned_number(bytes, order);
+  if (bytes.size() == 8) return std::bit_cast<double>(bits);
+  return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+}
 
 }  // namespace limber::io

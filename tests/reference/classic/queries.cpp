@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The queries of the classic engine: the sphere tree as the thesis that limber follows describes it (docs/notation.md),
-// plain and recursive. It is what the fast engine is measured against, and a second opinion in tests.
-//
-// Based on  [Quinlan1994] and that thesis: two trees descended together, the larger sphere split, the
-//           nearer child first; a pair is dropped when its lower bound cannot improve the answer by more than the asked
-//           error.
+// Based on  [Quinlan1994] and the thesis that limber follows, plain and recursive: two trees descended together, the
+//           larger sphere split, the nearer child first; a pair is dropped when its lower bound cannot improve the
+//           answer by more than the asked error.
 // Differs   Both spheres of a pair are placed in the world, their bounds reduced by the rounding of the placement, so a
 //           bound never overstates a gap. The smallest bound of a dropped pair is remembered: it and the answer make
 //           the certified interval. A pair whose bound is 0 is never dropped before a contact is found, at any error,
@@ -15,35 +12,25 @@
 #include <cmath>
 #include <limits>
 
-#include "base/arguments.h"
 #include "base/check.h"
-#include "base/float_environment.h"
 #include "base/rounding.h"
-#include "classic/tree.h"
 #include "geometry/primitives.h"
 #include "geometry/rigid.h"
-#include "limber/distance.h"
+#include "reference/classic/classic.h"
 
 namespace limber::classic {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// What all queries require of models and poses.
-void check_placed(const Placed& a, const Placed& b) {
-  for (const Placed* placed : {&a, &b}) {
-    LIMBER_REQUIRE(placed->model().is_committed(),
-                   "limber::classic: a query needs committed models; one has moves without a commit(), "
-                   "or has been moved from");
-    geometry::require_rigid(placed->pose, "limber::classic: the pose of a model");
-  }
-}
-
 /// A model's tree as it stands in the world.
 class PlacedTree {
  public:
   explicit PlacedTree(const Placed& placed)
-      : tree_(placed.model().tree()), pose_(placed.pose), stretch_(geometry::max_stretch(placed.pose.rotation)) {}
+      : tree_(placed.model().tree()), pose_(placed.pose), stretch_(geometry::max_stretch(placed.pose.rotation)) {
+    LIMBER_ASSERT(placed.model().is_committed());
+    LIMBER_ASSERT(geometry::is_rigid(placed.pose));
+  }
 
   const Node& node(std::uint32_t n) const { return tree_.nodes[n]; }
   Sphere sphere(std::uint32_t n) const {
@@ -190,8 +177,6 @@ struct DistanceQuery {
 }  // namespace
 
 CollideResult collide(const Placed& a, const Placed& b) {
-  const base::DefaultFloatEnvironment environment;
-  check_placed(a, b);
   CollideResult result;
   CollisionQuery query;
   Descent(a, b, query, result.stats).run();
@@ -201,10 +186,6 @@ CollideResult collide(const Placed& a, const Placed& b) {
 }
 
 DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options) {
-  const base::DefaultFloatEnvironment environment;
-  base::check_options(options, "limber::classic::distance");
-  base::check_has_no_cache_or_budget(options, "limber::classic::distance");
-  check_placed(a, b);
   DistanceResult result;
   DistanceQuery query(options, 0);
   Descent(a, b, query, result.stats).run();
@@ -226,9 +207,6 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
 }
 
 CollideResult within(const Placed& a, const Placed& b, double max_distance) {
-  const base::DefaultFloatEnvironment environment;
-  base::check_max_distance(max_distance);
-  check_placed(a, b);
   CollideResult result;
   DistanceQuery query({.max_distance = max_distance}, max_distance);
   Descent(a, b, query, result.stats).run();
