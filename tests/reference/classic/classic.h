@@ -14,7 +14,7 @@
 /// The sphere tree of flexible models as it was first described: binary, one sphere per triangle, repaired in three
 /// ways, optionally loose. Baseline of benchmarks and second oracle of tests; it checks no arguments.
 ///
-/// Source   The pages classic_tree, classic_maintenance and classic_queries in docs/algorithms.
+/// Source   docs/algorithms/classic.md.
 namespace limber::classic {
 
 /// When and in which order the spheres above moved triangles are recomputed.
