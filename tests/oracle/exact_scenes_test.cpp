@@ -13,7 +13,6 @@
 #include "limber/classic.h"
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "support/counts.h"
 #include "support/exact_distance.h"
 #include "support/random_scene.h"
 

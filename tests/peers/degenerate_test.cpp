@@ -6,7 +6,7 @@
 #include "limber/elements.h"
 #include "limber/points.h"
 #include "peers.h"
-#include "support/rational_distance.h"
+#include "support/rational_geometry.h"
 
 namespace limber::testing {
 namespace {

@@ -4,7 +4,7 @@
 // Distances of points whose sign was wrong, or whose value on the surface was none.
 #include "limber/points.h"
 #include "peers.h"
-#include "support/rational_winding.h"
+#include "support/rational_geometry.h"
 
 namespace limber::testing {
 namespace {

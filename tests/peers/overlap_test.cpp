@@ -4,7 +4,7 @@
 // Bodies that overlap, touch or contain each other: cases from reports about other libraries, which answered wrongly.
 #include "limber/points.h"
 #include "peers.h"
-#include "support/rational_distance.h"
+#include "support/rational_geometry.h"
 
 namespace limber::testing {
 namespace {

@@ -28,8 +28,7 @@ struct Truth {
 template <typename Placed>
 std::string wrong_witness(const Witness& w, const Placed& a, const Placed& b, double distance, double tolerance) {
   const auto lies_on = [&](const Vec3& point, const Placed& placed, TriangleId id) {
-    const Triangle t = placed.model().mesh().triangle(id);
-    const Triangle world{placed.pose(t.v0), placed.pose(t.v1), placed.pose(t.v2)};
+    const Triangle world = mapped(placed.model().mesh().triangle(id), placed.pose);
     return closest_points(point, world).distance <= 10 * tolerance;
   };
   if (!lies_on(w.point_a, a, w.triangle_a) || !lies_on(w.point_b, b, w.triangle_b))

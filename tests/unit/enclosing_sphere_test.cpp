@@ -4,7 +4,7 @@
 
 #include "geometry/primitives.h"
 #include "support/random_geometry.h"
-#include "support/rational_distance.h"
+#include "support/rational_geometry.h"
 
 namespace limber::testing {
 namespace {
