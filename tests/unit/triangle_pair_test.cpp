@@ -214,6 +214,21 @@ TEST(TriangleIntersection, KnownCases) {
   }
 }
 
+TEST(TriangleIntersection, DegenerateAgainstDegenerate) {
+  const auto segment = [](const Vec3& a, const Vec3& b) { return Triangle{a, b, 0.5 * (a + b)}; };
+  const auto point = [](const Vec3& a) { return Triangle{a, a, a}; };
+  EXPECT_TRUE(intersects(segment({-1, 0, 0}, {1, 0, 0}), segment({0, -1, 0}, {0, 1, 0})));
+  EXPECT_FALSE(intersects(segment({-1, 0, 0}, {1, 0, 0}), segment({0, -1, 1}, {0, 1, 1})));
+  EXPECT_TRUE(intersects(segment({-1, 0, 0}, {1, 0, 0}), segment({1, 0, 0}, {2, 0, 0})));
+  EXPECT_FALSE(intersects(segment({-1, 0, 0}, {1, 0, 0}), segment({2, 0, 0}, {3, 0, 0})));
+  EXPECT_FALSE(intersects(segment({-1, 0, 0}, {1, 0, 0}), segment({-1, 1, 0}, {1, 1, 0})));
+  EXPECT_TRUE(intersects(segment({1, 1, 1}, {5, 5, 5}), point({2, 2, 2})));
+  EXPECT_FALSE(intersects(segment({1, 1, 1}, {5, 5, 5}), point({6, 6, 6})));
+  EXPECT_FALSE(intersects(segment({1, 1, 1}, {5, 5, 5}), point({2, 2, 3})));
+  EXPECT_TRUE(intersects(point({1, 2, 3}), point({1, 2, 3})));
+  EXPECT_FALSE(intersects(point({1, 2, 3}), point({1, 2, std::nextafter(3.0, 4.0)})));
+}
+
 TEST(TriangleIntersection, DoesNotDependOnOrderOrScale) {
   Rng rng(13);
   for (int i = 0; i < 2000; ++i) {
