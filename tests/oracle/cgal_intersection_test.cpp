@@ -12,7 +12,6 @@
 #include <utility>
 #include <variant>
 
-#include "support/counts.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {

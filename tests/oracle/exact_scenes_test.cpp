@@ -13,7 +13,6 @@
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "reference/classic/classic.h"
-#include "support/counts.h"
 #include "support/exact_distance.h"
 #include "support/random_scene.h"
 

@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "limber/motion.h"
-#include "support/counts.h"
 #include "support/random_motion.h"
 
 namespace limber::testing {

@@ -20,7 +20,6 @@
 
 #include "limber/contacts.h"
 #include "limber/solids.h"
-#include "support/counts.h"
 #include "support/random_geometry.h"
 
 namespace limber::testing {

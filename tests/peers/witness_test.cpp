@@ -8,7 +8,7 @@
 #include "limber/points.h"
 #include "limber/scene.h"
 #include "peers.h"
-#include "support/rational_winding.h"
+#include "support/rational_geometry.h"
 
 namespace limber::testing {
 namespace {

@@ -11,7 +11,7 @@
 #include "reference/classic/classic.h"
 #include "reference/reference.h"
 #include "support/random_geometry.h"
-#include "support/rational_distance.h"
+#include "support/rational_geometry.h"
 #include "support/right_answers.h"
 
 namespace limber::testing {

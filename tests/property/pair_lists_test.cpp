@@ -6,20 +6,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <tuple>
 #include <vector>
 
-#include "limber/contacts.h"
-#include "limber/elements.h"
 #include "limber/io.h"
 #include "reference/reference.h"
 #include "simd/kernels.h"
-#include "support/crumpled_mesh.h"
+#include "support/keys.h"
 #include "support/random_scene.h"
 #include "support/real_meshes.h"
 
@@ -27,20 +22,6 @@ namespace limber::testing {
 namespace {
 
 using reference::ElementPairs;
-
-auto ids_of(const TrianglePair& p) { return std::tuple(p.a, p.b); }
-auto ids_of(const Contact& c) { return std::tuple(c.triangle_a, c.triangle_b); }
-auto ids_of(const VertexFacePair& p) { return std::tuple(p.is_vertex_of_b, p.vertex, p.triangle); }
-auto ids_of(const EdgeEdgePair& p) { return std::tuple(p.a, p.b); }
-
-auto values_of(const TrianglePair&) { return std::tuple(); }
-auto values_of(const VertexFacePair& p) { return std::tuple(p.distance, p.weights.x, p.weights.y, p.weights.z); }
-auto values_of(const EdgeEdgePair& p) { return std::tuple(p.distance, p.parameter_a, p.parameter_b); }
-auto values_of(const Contact& c) {
-  const auto bits = [](const Vec3& v) { return std::bit_cast<std::array<std::uint64_t, 3>>(v); };
-  return std::tuple(bits({c.distance, c.depth, 0}), bits(c.point_a), bits(c.point_b), bits(c.normal), bits(c.weights_a),
-                    bits(c.weights_b), c.feature_a, c.feature_b, c.normal_side);
-}
 
 const auto ids_in_order = [](const auto& p, const auto& q) { return ids_of(p) < ids_of(q); };
 
@@ -52,9 +33,8 @@ std::vector<Pair> in_order(std::vector<Pair> pairs) {
 
 template <typename Pair>
 bool same(const std::vector<Pair>& list, const std::vector<Pair>& other) {
-  return std::equal(list.begin(), list.end(), other.begin(), other.end(), [](const Pair& p, const Pair& q) {
-    return ids_of(p) == ids_of(q) && values_of(p) == values_of(q);
-  });
+  return std::equal(list.begin(), list.end(), other.begin(), other.end(),
+                    [](const Pair& p, const Pair& q) { return key_of(p) == key_of(q); });
 }
 bool same(const ElementPairs& p, const ElementPairs& q) {
   return same(p.vertex_face, q.vertex_face) && same(p.edge_edge, q.edge_edge);
@@ -127,7 +107,7 @@ void expect_same(const std::vector<Pair>& found, const std::vector<Pair>& truth,
   auto next = pairs.begin();
   for (const Pair& pair : truth) {
     if (next != pairs.end() && ids_of(*next) == ids_of(pair)) {
-      EXPECT_EQ(values_of(*next++), values_of(pair));
+      EXPECT_EQ(key_of(*next++), key_of(pair));
     } else {
       EXPECT_GT(pair.distance, certain) << "a pair is missing";
     }
@@ -166,6 +146,18 @@ std::vector<Contact> up_to(double max_distance, std::vector<Contact> sorted) {
   const auto is_near = [&](const Contact& c) { return c.distance <= max_distance; };
   sorted.erase(std::partition_point(sorted.begin(), sorted.end(), is_near), sorted.end());
   return sorted;
+}
+
+/// Asks find(room, options) for some closest pairs, with and without a limit; truth_of(count) has those of brute force.
+template <typename Find, typename TruthOf>
+void check_closest(Rng& rng, const Find& find, const TruthOf& truth_of, double rounding) {
+  std::vector<Contact> closest(rng.below(40));
+  const std::vector<Contact> truth = truth_of(closest.size());
+  closest.resize(find(closest, ClosestPairsOptions{}).count);
+  expect_closest(closest, truth, rounding);
+  const ClosestPairsOptions limited{.max_distance = between_distances(truth, rng, rounding)};
+  closest.resize(find(closest, limited).count);
+  expect_closest(closest, up_to(limited.max_distance, truth), rounding);
 }
 
 /// How many pairs have been compared with those of brute force.
@@ -211,13 +203,9 @@ TEST(ContactsProperty, AreThoseOfBruteForceInRandomScenes) {
     const double margin = some_margin(rng, s.size);
     const auto contacts = visited<Contact>([&](ContactVisitor visit) { return visit_contacts(a, b, margin, visit); });
     expect_same(contacts, reference::contacts(twin_a, twin_b, margin + s.tolerance), margin, s.tolerance);
-    std::vector<Contact> closest(rng.below(40));
-    const std::vector<Contact> truth = reference::closest_pairs(twin_a, twin_b, closest.size());
-    closest.resize(closest_pairs(a, b, closest).count);
-    expect_closest(closest, truth, s.tolerance);
-    const ClosestPairsOptions limited{.max_distance = between_distances(truth, rng, s.tolerance)};
-    closest.resize(closest_pairs(a, b, closest, limited).count);
-    expect_closest(closest, up_to(limited.max_distance, truth), s.tolerance);
+    check_closest(
+        rng, [&](auto& room, const auto& options) { return closest_pairs(a, b, room, options); },
+        [&](std::size_t count) { return reference::closest_pairs(twin_a, twin_b, count); }, s.tolerance);
     check_elements(s, margin, totals);
     totals.intersecting += meeting.size(), totals.close += contacts.size();
   }
@@ -266,20 +254,6 @@ void check_self_elements(const Model& model, double margin, Totals& totals) {
   totals.add(found);
 }
 
-/// What self_distance() looks for; infinite if there is no pair.
-double brute_force_self_distance(MeshView mesh) {
-  if (!reference::self_intersections(mesh).empty()) return 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (TriangleId i = 0; i < mesh.triangles.size(); ++i) {
-    for (TriangleId j = i + 1; j < mesh.triangles.size(); ++j) {
-      const Corners &a = mesh.triangles[i], &b = mesh.triangles[j];
-      if (std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end()) continue;
-      least = std::min(least, closest_points(mesh.triangle(i), mesh.triangle(j)).distance);
-    }
-  }
-  return least;
-}
-
 void check_self_collision(const Model& model, Totals& totals) {
   const auto meeting =
       visited<TrianglePair>([&](TrianglePairVisitor visit) { return visit_self_intersections(model, visit); });
@@ -294,7 +268,7 @@ void check_self_collision(const Model& model, Totals& totals) {
   EXPECT_TRUE(std::binary_search(truth.begin(), truth.end(), pair, ids_in_order));
 }
 
-/// All self-queries of a model against brute force.
+/// All lists of a model with itself against brute force.
 void check_self(const Model& model, Rng& rng, Totals& totals) {
   const MeshView mesh = model.mesh();
   const double size = extent_of(model.mesh()), rounding = 1e-14 * size, margin = some_margin(rng, size);
@@ -304,22 +278,9 @@ void check_self(const Model& model, Rng& rng, Totals& totals) {
       visited<Contact>([&](ContactVisitor visit) { return visit_self_contacts(model, margin, visit); });
   expect_same(contacts, reference::self_contacts(mesh, margin + rounding), margin, rounding);
   totals.close += contacts.size();
-  std::vector<Contact> closest(rng.below(40));
-  const std::vector<Contact> closest_truth = reference::self_closest_pairs(mesh, closest.size());
-  closest.resize(self_closest_pairs(model, closest).count);
-  expect_closest(closest, closest_truth, rounding);
-  const ClosestPairsOptions limited{.max_distance = between_distances(closest_truth, rng, rounding)};
-  closest.resize(self_closest_pairs(model, closest, limited).count);
-  expect_closest(closest, up_to(limited.max_distance, closest_truth), rounding);
-  const double least = brute_force_self_distance(mesh);
-  const double relative_error = rng.below(2) == 0 ? 0 : rng.uniform(0, 0.5);
-  const DistanceResult distance = self_distance(model, {.relative_error = relative_error});
-  EXPECT_EQ(distance.status == DistanceStatus::beyond_limit, std::isinf(least));
-  if (std::isinf(least)) return;
-  EXPECT_EQ(distance.upper == 0, least == 0);
-  EXPECT_LE(distance.lower, least + rounding);
-  EXPECT_LE(distance.upper, least * (1 + relative_error) + rounding);
-  EXPECT_GE(distance.upper, least - rounding);
+  check_closest(
+      rng, [&](auto& room, const auto& options) { return self_closest_pairs(model, room, options); },
+      [&](std::size_t count) { return reference::self_closest_pairs(mesh, count); }, rounding);
 }
 
 TEST(SelfContactsProperty, AreThoseOfBruteForceInRandomMeshes) {

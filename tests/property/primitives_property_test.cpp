@@ -26,21 +26,11 @@ Pair pair_of_any_kind(Rng& rng) {
   const auto any = static_cast<PairKind>(rng.below(static_cast<std::uint64_t>(PairKind::count)));
   const PairKind thin = rng.below(2) == 0 ? PairKind::one_line : PairKind::needle;
   const auto [a, b] = random_pair(rng, rng.below(2) == 0 ? any : thin);
-  const auto scaled = [scale = rng.below(2) == 0 ? 0 : static_cast<int>(rng.below(1200)) - 1074](const Triangle& t) {
-    Triangle result = t;
-    for (Vec3* v : {&result.v0, &result.v1, &result.v2}) {
-      for (std::size_t axis = 0; axis < 3; ++axis) (*v)[axis] = std::ldexp((*v)[axis], scale);
-    }
-    return result;
+  const int scale = rng.below(2) == 0 ? 0 : static_cast<int>(rng.below(1200)) - 1074;
+  const auto scaled = [scale](const Vec3& p) {
+    return Vec3{std::ldexp(p.x, scale), std::ldexp(p.y, scale), std::ldexp(p.z, scale)};
   };
-  return {scaled(a), scaled(b)};
-}
-
-/// Largest coordinate of two triangles relative to a point.
-double extent_from(const Vec3& origin, const Triangle& a, const Triangle& b) {
-  double extent = 0;
-  for (std::size_t i = 0; i < 3; ++i) extent = std::max({extent, max_abs(a[i] - origin), max_abs(b[i] - origin)});
-  return extent;
+  return {mapped(a, scaled), mapped(b, scaled)};
 }
 
 void require_distance(double found, const exact::Fraction& truth_sq, double tolerance) {
@@ -58,7 +48,7 @@ RC_GTEST_PROP(Primitives, TrianglesAreAsFarApartAsSaid, (std::uint64_t seed)) {
   const auto [a, b] = pair_of_any_kind(rng);
   const exact::Fraction truth_sq = exact::squared_distance(a, b);
   for (const auto& [first, second] : {Pair{a, b}, Pair{b, a}}) {
-    const double extent = extent_from(first.v0, first, second);
+    const double extent = extent_of_pair(first, second);
     require_distance(closest_points(first, second).distance, truth_sq, 0x1p-50 * extent + 0x1p-1022);
     const TriangleContact c = contact(first, second);
     RC_ASSERT(std::abs(length(c.normal) - 1) <= 0x1p-50);
@@ -75,7 +65,7 @@ RC_GTEST_PROP(Primitives, PointsAndEdgesHaveWeights, (std::uint64_t seed)) {
   const Model model_a(soup({a})), model_b(soup({b}));
   for (const Vec3& p : {a.v0, b.v0, b.v1, b.v2}) {
     const SurfacePoint found = closest_point({model_b}, p).closest.value();
-    const double tolerance = 0x1p-50 * extent_from(p, b, b) + 0x1p-1022;
+    const double tolerance = 0x1p-50 * extent_of_pair({p, p, p}, b) + 0x1p-1022;
     require_distance(found.distance, exact::squared_distance({p, p, p}, b), tolerance);
     require_weights(found.weights[0], found.weights[1], found.weights[2]);
   }

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -21,7 +20,7 @@
 #include "limber/model.h"
 #include "simd/kernels.h"
 #include "support/brute_force.h"
-#include "support/counts.h"
+#include "support/keys.h"
 #include "support/random_scene.h"
 #include "support/right_answers.h"
 
@@ -41,12 +40,6 @@ TEST(BruteForce, EqualsTheReferenceToTheBitWhateverItSkips) {
   }
   EXPECT_GT(contacts, 50);
   EXPECT_LT(contacts, 950);
-}
-
-bool same_bits(const DistanceResult& x, const DistanceResult& y) {
-  return std::memcmp(&x.lower, &y.lower, sizeof(double)) == 0 && std::memcmp(&x.upper, &y.upper, sizeof(double)) == 0 &&
-         x.status == y.status && std::memcmp(&*x.witness, &*y.witness, sizeof(Witness)) == 0 &&
-         x.stats.node_tests == y.stats.node_tests && x.stats.primitive_tests == y.stats.primitive_tests;
 }
 
 TEST(RandomQueries, OfTheFastEngineEqualTheReferenceOnEveryInstructionSet) {
@@ -72,7 +65,7 @@ TEST(RandomQueries, OfTheFastEngineEqualTheReferenceOnEveryInstructionSet) {
         const DistanceResult found = distance(a, b, options[k]);
         ASSERT_EQ(wrong_answer(found, options[k], a, b, truth), "") << set.name;
         if (first.size() <= k) first.push_back(found);
-        ASSERT_TRUE(same_bits(found, first[k])) << set.name;
+        ASSERT_EQ(key_of(found), key_of(first[k])) << set.name;
       }
     }
     simd::use_kernels(nullptr);
@@ -182,8 +175,9 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
   std::uint64_t interrupted = 0, undecided = 0, contacts = 0, narrowed = 0;
   for (std::uint64_t asked = 0; asked < count;) {
     Scene s = arbitrary_scene(rng);
-    const double margins[] = {0, 0.05 * s.size, 0.001 * s.size};
-    Model model_a(s.mesh_a, {.motion_margin = margins[rng.below(3)]}), model_b(s.mesh_b);
+    const ModelOptions options[] = {
+        {}, {.motion_margin = 0.05 * s.size}, {.motion_margin = 0.001 * s.size}, ModelOptions::real_time(1)};
+    Model model_a(s.mesh_a, options[rng.below(4)]), model_b(s.mesh_b);
     QueryCache cache;
     double lower = 0;  // of the last query, if nothing has happened since
     for (int i = 0; i < 40; ++i, ++asked) {
@@ -191,10 +185,10 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
       const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
       const double places = max_abs(s.pose_a.translation) + max_abs(s.pose_b.translation);
       const Truth truth{distance(a, b).upper, s.tolerance + 0x1p-40 * places};
-      const QueryOptions options{&cache, {.max_steps = rng.below(3) == 0 ? rng.below(40) : rng.below(4)}};
+      const QueryOptions limited{&cache, {.max_steps = rng.below(3) == 0 ? rng.below(40) : rng.below(4)}};
       if (rng.below(3) != 0) {
         const double error = rng.below(2) == 0 ? 0 : rng.uniform(0, 0.5);
-        const DistanceOptions asked_for = with({.relative_error = error}, &cache, options.budget);
+        const DistanceOptions asked_for = with({.relative_error = error}, &cache, limited.budget);
         const DistanceResult found = distance(a, b, asked_for);
         ASSERT_EQ(wrong_answer(found, asked_for, a, b, truth), "");
         ASSERT_GE(found.lower, std::min(lower, found.upper));
@@ -203,7 +197,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
         lower = found.lower;
       } else {
         const double limit = rng.below(2) == 0 ? 0 : truth.distance * rng.uniform(0.5, 1.5);
-        const CollideResult found = limit == 0 ? collide(a, b, options) : within(a, b, limit, options);
+        const CollideResult found = limit == 0 ? collide(a, b, limited) : within(a, b, limit, limited);
         ASSERT_EQ(wrong_answer(found, limit, a, b, truth), "");
         undecided += found.answer == Answer::undecided ? 1 : 0;
         contacts += truth.distance == 0 ? 1 : 0;

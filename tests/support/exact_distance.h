@@ -56,14 +56,6 @@ inline Integer shifted(const Whole& w, int lowest_exponent) {
   return result;
 }
 
-inline Fraction fraction(double value) {
-  const Whole w(value);
-  if (w.mantissa == 0) return 0;  // with another denominator than 1 it would not equal 0
-  Integer numerator = static_cast<long>(w.mantissa), denominator = 1;
-  (w.exponent > 0 ? numerator : denominator) <<= static_cast<unsigned>(std::abs(w.exponent));
-  return Fraction(numerator, denominator);
-}
-
 using Corners3 = std::array<Vec, 3>;
 
 /// Points as integers, all multiplied by one power of two that makes them whole.
@@ -174,12 +166,12 @@ inline Fraction squared_distance(const Triangle& a, const Triangle& b) {
 
 /// Whether a number is at most `tolerance` above the root of `squared`.
 inline bool is_at_most(double number, const Fraction& squared, double tolerance) {
-  const Fraction lowered = fraction(number) - fraction(tolerance);
+  const Fraction lowered = Fraction(number) - Fraction(tolerance);
   return lowered <= 0 || lowered * lowered <= squared;
 }
 /// Whether it is at most `tolerance` below.
 inline bool is_at_least(double number, const Fraction& squared, double tolerance) {
-  const Fraction raised = fraction(number) + fraction(tolerance);
+  const Fraction raised = Fraction(number) + Fraction(tolerance);
   return raised >= 0 && raised * raised >= squared;
 }
 

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <ostream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,6 +19,20 @@
 namespace limber::testing {
 
 using scenes::Rng;
+
+/// How many cases a long test draws: the number in an environment variable, or the usual one.
+inline std::uint64_t count_from(const char* variable, std::uint64_t usual) {
+  const char* text = std::getenv(variable);
+  return text != nullptr ? std::stoull(text) : usual;
+}
+
+/// The values of an enumeration that ends with `count`.
+template <typename Kind>
+std::vector<Kind> every_kind() {
+  std::vector<Kind> kinds;
+  for (int i = 0; i < static_cast<int>(Kind::count); ++i) kinds.push_back(static_cast<Kind>(i));
+  return kinds;
+}
 
 inline Vec3 uniform_point(Rng& rng, double low = -1, double high = 1) {
   const double x = rng.uniform(low, high), y = rng.uniform(low, high), z = rng.uniform(low, high);
@@ -79,6 +96,31 @@ inline Triangle lattice_triangle(Rng& rng, std::uint64_t side = 4) {
 inline Triangle nudged(Rng& rng, const Triangle& t, int ulps = 2) {
   const Vec3 v0 = nudged(rng, t.v0, ulps), v1 = nudged(rng, t.v1, ulps), v2 = nudged(rng, t.v2, ulps);
   return {v0, v1, v2};
+}
+
+/// A triangle with every corner mapped.
+template <typename Map>
+Triangle mapped(const Triangle& t, const Map& map) {
+  return {map(t.v0), map(t.v1), map(t.v2)};
+}
+
+/// The extent of geometry.h.
+inline double extent_of_pair(const Triangle& a, const Triangle& b) {
+  double extent = 0;
+  for (std::size_t i = 0; i < 3; ++i) extent = std::max({extent, max_abs(a[i] - a.v0), max_abs(b[i] - a.v0)});
+  return extent;
+}
+
+inline double largest_coordinate(const Triangle& a, const Triangle& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < 3; ++i) largest = std::max({largest, max_abs(a[i]), max_abs(b[i])});
+  return largest;
+}
+
+/// The smallest height of a triangle, rounded.
+inline double smallest_height_of(const Triangle& t) {
+  const double longest = std::max({length(t.v1 - t.v0), length(t.v2 - t.v1), length(t.v0 - t.v2)});
+  return longest == 0 ? 0 : length(cross(t.v1 - t.v0, t.v2 - t.v0)) / longest;
 }
 
 /// A point at p, a few units in the last place away, or a little more.

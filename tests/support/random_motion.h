@@ -80,6 +80,7 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
   const auto uniform = [&] {
     for (int i = 0; i < 4; ++i) m.start[i] = uniform_point(rng), m.end[i] = uniform_point(rng);
   };
+  const auto lattice_or_uniform = [&](std::uint64_t side) { rng.below(2) == 0 ? lattice(side) : uniform(); };
   const auto flatten = [&](bool to_a_line) {
     const double a = static_cast<double>(rng.below(3)) - 1, b = static_cast<double>(rng.below(3)) - 1;
     const auto flat = [&](const Vec3& p) {
@@ -128,11 +129,7 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       flatten(true);
       break;
     case MotionKind::still:
-      if (rng.below(2) == 0) {
-        lattice(3);
-      } else {
-        uniform();
-      }
+      lattice_or_uniform(3);
       for (int i = 0; i < 4; ++i) m.end[i] = m.start[i];
       if (rng.below(2) == 0) m.end[0] += lattice_point(rng, 3);
       break;
@@ -166,11 +163,7 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       break;
     }
     case MotionKind::common_vertex:
-      if (rng.below(2) == 0) {
-        lattice(4);
-      } else {
-        uniform();
-      }
+      lattice_or_uniform(4);
       if (rng.below(2) == 0) {
         m.start[0] = m.start[3];
       } else {
@@ -208,11 +201,7 @@ inline MovingCorners random_motion(Rng& rng, MotionKind kind, bool is_face) {
       break;
     }
     case MotionKind::tiny_coordinates:
-      if (rng.below(2) == 0) {
-        lattice(4);
-      } else {
-        uniform();
-      }
+      lattice_or_uniform(4);
       scale_by(m, std::ldexp(1.0, -1000 - static_cast<int>(rng.below(75))));
       break;
     case MotionKind::all_scales:

@@ -18,8 +18,8 @@ namespace limber::testing {
 /// A point of one of the kinds that break code: on a triangle, a corner or an edge, up to rounding or a little off it;
 /// anywhere; far away, up to the largest coordinates. `size` is that of the mesh.
 inline Vec3 arbitrary_query_point(Rng& rng, const reference::Placed& mesh, double size) {
-  const Triangle local = mesh.mesh.triangle(static_cast<TriangleId>(rng.below(mesh.mesh.triangles.size())));
-  const Triangle t{mesh.pose(local.v0), mesh.pose(local.v1), mesh.pose(local.v2)};
+  const Triangle t =
+      mapped(mesh.mesh.triangle(static_cast<TriangleId>(rng.below(mesh.mesh.triangles.size()))), mesh.pose);
   const double u = rng.uniform(), v = rng.uniform() * (1 - u);
   switch (rng.below(10)) {
     case 0:

@@ -14,6 +14,13 @@
 /// Closed surfaces of the kinds that break code, and what a loop over vertices says of two of them.
 namespace limber::testing {
 
+/// A model and its surface.
+struct SolidModel {
+  explicit SolidModel(Mesh mesh) : model(std::move(mesh)), surface(ClosedSurface::create(model).value()) {}
+  Model model;
+  ClosedSurface surface;
+};
+
 inline Mesh turned_inside_out(const Mesh& mesh) {
   std::vector<Corners> triangles = mesh.triangles();
   for (Corners& c : triangles) std::swap(c[1], c[2]);

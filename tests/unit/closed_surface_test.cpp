@@ -24,7 +24,7 @@
 #include "simd/kernels.h"
 #include "support/random_points.h"
 #include "support/random_solids.h"
-#include "support/rational_winding.h"
+#include "support/rational_geometry.h"
 #include "unit/kernel_cases.h"
 #include "unit/refusals.h"
 #include "unit/shapes.h"

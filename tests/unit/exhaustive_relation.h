@@ -11,6 +11,12 @@
 
 namespace limber::testing {
 
+/// The relation of b to a.
+inline SolidRelation reversed(SolidRelation r) {
+  if (r == SolidRelation::a_inside_b) return SolidRelation::b_inside_a;
+  return r == SolidRelation::b_inside_a ? SolidRelation::a_inside_b : r;
+}
+
 /// The relation of two placed closed surfaces by shells alone: without a look at the first contacts or at components,
 /// which would often find all kinds of cells before.
 inline SolidRelation relation_by_shells(const Placed& a, const Placed& b) {

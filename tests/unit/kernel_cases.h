@@ -23,8 +23,7 @@ inline constexpr float no_limit_sq = 1e38F;
 inline std::vector<Triangle> placed_triangles(const Mesh& mesh, const Transform& pose) {
   std::vector<Triangle> placed;
   for (TriangleId t = 0; t < mesh.triangles().size(); ++t) {
-    const Triangle m = mesh.triangle(t);
-    placed.push_back({pose(m.v0), pose(m.v1), pose(m.v2)});
+    placed.push_back(mapped(mesh.triangle(t), pose));
   }
   return placed;
 }

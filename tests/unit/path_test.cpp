@@ -14,6 +14,8 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "scenes/scenes.h"
@@ -24,9 +26,11 @@
 namespace limber::testing {
 namespace {
 
-Mat3 about_z(double angle) {
-  return {{std::cos(angle), -std::sin(angle), 0}, {std::sin(angle), std::cos(angle), 0}, {0, 0, 1}};
-}
+/// A plate and a wall in the plane z = 0.
+Mesh plate_mesh() { return scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3); }
+Mesh wall_mesh() { return scenes::grid(1, 1, -9, -9, 18, 18); }
+
+Transform stay(double) { return {}; }
 
 void expect_near(const Vec3& found, const Vec3& expected, double error) {
   EXPECT_NEAR(found.x, expected.x, error);
@@ -127,7 +131,7 @@ TEST(RigidMotion, AboutACenterFarAwayIsAsExactAsAboutANearOne) {
     EXPECT_NEAR(now - before, 0.002, 1e-14);
     before = now;
   }
-  const Model wall(scenes::grid(1, 1, -9, -9, 18, 18)), flat(scenes::grid(1, 1, -1, -1, 2, 2));
+  const Model wall(wall_mesh()), flat(scenes::grid(1, 1, -1, -1, 2, 2));
   const Mat3 upright{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
   const RigidMotion passes({upright, {-1, 0, 0}}, {upright, {1.5, 0, 0}}, {1e9, 2e9, 1e9});
   const PathImpact found = time_of_impact(flat, passes, wall, RigidMotion({upright, {}}), {.distance_error = 1e-9});
@@ -148,7 +152,7 @@ TEST(PathImpact, OfPointsEnds) {
 }
 
 TEST(PathImpact, OfABallThatFallsOnAPlate) {
-  const Model ball(scenes::ball(24, 16)), plate(scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3));
+  const Model ball(scenes::ball(24, 16)), plate(plate_mesh());
   // The poles of the ball are on the z axis, at a distance of 1.
   const RigidMotion falls({{}, {0.1, 0.2, 5}}, {{}, {0.1, 0.2, -3}});
   const PathImpact found = time_of_impact(ball, falls, plate, {});
@@ -171,7 +175,7 @@ TEST(PathImpact, OfABallThatFallsOnAPlate) {
 
 TEST(PathImpact, UsesWhatADistanceSaysOfTheTimeBeforeIt) {
   // Low over a plate, whose end it passes: each distance frees twice the time for which it lasts.
-  const Model ball(scenes::ball(24, 16)), plate(scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3));
+  const Model ball(scenes::ball(24, 16)), plate(plate_mesh());
   const RigidMotion passes({{}, {-2, 0, 1.05}}, {{}, {2, 0, 1.05}});
   const PathImpact found = time_of_impact(ball, passes, plate, {});
   EXPECT_EQ(found.status, ImpactStatus::clear);
@@ -189,7 +193,7 @@ TEST(PathImpact, AtTheStartIsSaidSo) {
 }
 
 TEST(PathImpact, DoesNotTunnel) {
-  const Model ball(scaled(scenes::ball(8, 6), 0x1p-10)), plate(scenes::grid(3, 3, -2, -2, 4.0 / 3, 4.0 / 3));
+  const Model ball(scaled(scenes::ball(8, 6), 0x1p-10)), plate(plate_mesh());
   const PathImpact found = time_of_impact(ball, {{{}, {0.1, 0.2, 1}}, {{}, {0.1, 0.2, -1e4}}}, plate, {});
   EXPECT_EQ(found.status, ImpactStatus::contact);
   EXPECT_LE(found.time, 1 / (1e4 + 1));
@@ -218,7 +222,6 @@ TEST(PathImpact, StopsWhenItsBudgetIsSpent) {
 TEST(PathImpact, KeepsToItsDeadlineWhereEachDistanceIsAStep) {
   const Model a(scenes::grid(1, 1, -1, -1, 1, 1)), b(scenes::grid(1, 1, -1, -1, 9, 9));
   const auto slide = [](double t) { return Transform{{}, {t, 0, 1e-6}}; };
-  const auto stay = [](double) { return Transform{}; };
   const RigidPath slides{slide, 1}, stays{stay, 0};
   const std::atomic<bool> stop = true;
   for (const QueryBudget& budget : {QueryBudget{.deadline = std::chrono::steady_clock::now()},
@@ -282,7 +285,7 @@ TEST(PathImpact, IsNotLaterThanSampledContacts) {
 }
 
 TEST(PathImpact, IsAsExactAsItGetsWithAnErrorOfZero) {
-  const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
+  const Model ball(scenes::ball(8, 6)), wall(wall_mesh());
   const RigidMotion falls({{}, {0.3, 0.4, 5}}, {about_z(1), {0.3, 0.4, 0}}), stands;
   const auto gap = [&](const PathOptions& options) {
     const PathImpact found = time_of_impact(ball, falls, wall, stands, options);
@@ -298,26 +301,20 @@ TEST(PathImpact, IsAsExactAsItGetsWithAnErrorOfZero) {
   EXPECT_LT(width({.max_time = 0.7, .distance_error = 0}), 1e-11);
 }
 
-TEST(PathImpact, OfAnyPathNeedsItsSpeed) {
-  const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
+TEST(PathImpact, OfAnyPathNeedsItsSpeedAlone) {
+  const Model ball(scenes::ball(8, 6)), wall(wall_mesh());
+  const RigidPath still{stay, 0};
   // Falls like a stone: z = 9 - 10 t^2, at most 20 fast.
   const auto fall = [](double t) { return Transform{{}, {0.3, 0.4, 9 - 10 * t * t}}; };
-  const auto stay = [](double) { return Transform{}; };
-  const RigidPath falling{fall, 20}, still{stay, 0};
-  const PathImpact found = time_of_impact(ball, falling, wall, still);
-  EXPECT_EQ(found.status, ImpactStatus::contact);
-  EXPECT_NEAR(found.time, std::sqrt(0.8), 1e-5);
-  EXPECT_EQ(min_distance(ball, falling, wall, still).upper, 0);
-}
-
-TEST(PathImpact, IsNotGuessedFromHowTheDistanceChanged) {
-  const Model ball(scenes::ball(8, 6)), wall(scenes::grid(1, 1, -9, -9, 18, 18));
+  const PathImpact fallen = time_of_impact(ball, RigidPath{fall, 20}, wall, still);
+  EXPECT_EQ(fallen.status, ImpactStatus::contact);
+  EXPECT_NEAR(fallen.time, std::sqrt(0.8), 1e-5);
+  EXPECT_EQ(min_distance(ball, RigidPath{fall, 20}, wall, still).upper, 0);
   // Stands still at a distance of 0.2 for half of the time, then touches the wall at 0.7 and goes back.
   const auto bounce = [](double t) { return Transform{{}, {0.3, 0.4, 1 + std::min(0.2, std::abs(t - 0.7))}}; };
-  const auto stay = [](double) { return Transform{}; };
-  const PathImpact found = time_of_impact(ball, RigidPath{bounce, 1}, wall, RigidPath{stay, 0});
-  EXPECT_EQ(found.status, ImpactStatus::contact);
-  EXPECT_NEAR(found.time, 0.7, 2e-5);
+  const PathImpact bounced = time_of_impact(ball, RigidPath{bounce, 1}, wall, still);
+  EXPECT_EQ(bounced.status, ImpactStatus::contact);
+  EXPECT_NEAR(bounced.time, 0.7, 2e-5);
 }
 
 TEST(PathMisuse, IsRefused) {
@@ -330,6 +327,12 @@ TEST(PathMisuse, IsRefused) {
   for (const double time : {-0x1p-60, 1 + 0x1p-52, nan}) {
     EXPECT_TRUE(is_refused([&] { static_cast<void>(RigidMotion().at(time)); }, {"limber::RigidMotion::at", "time"}));
   }
+  const auto refused = [&](const auto& path, const PathOptions& wrong, const std::string& what) {
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, path, ball, path, wrong)); },
+                           {"limber::time_of_impact", what}));
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(min_distance(ball, path, ball, path, wrong)); },
+                           {"limber::min_distance", what}));
+  };
   const std::pair<const char*, PathOptions> options[] = {{"max_time", {.max_time = -1}},
                                                          {"max_time", {.max_time = nan}},
                                                          {"min_separation", {.min_separation = -1}},
@@ -337,24 +340,10 @@ TEST(PathMisuse, IsRefused) {
                                                          {"distance_error", {.distance_error = -1}},
                                                          {"distance_error", {.distance_error = nan}}};
   for (const auto& [what, o] : options) {
-    const PathOptions& wrong = o;
-    const RigidMotion still;
-    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, still, ball, still, wrong)); },
-                           {"limber::time_of_impact", what}));
-    EXPECT_TRUE(is_refused([&] { static_cast<void>(min_distance(ball, still, ball, still, wrong)); },
-                           {"limber::min_distance", what}));
+    refused(RigidMotion(), o, what);
   }
-  const auto stay = [](double) { return Transform{}; };
-  const RigidPath fast{stay, std::numeric_limits<double>::max()};
-  EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, fast, ball, fast)); },
-                         {"limber::time_of_impact", "sum", "speeds"}));
-  for (const double speed : {-1.0, nan, endless}) {
-    const RigidPath path{stay, speed};
-    EXPECT_TRUE(is_refused([&] { static_cast<void>(time_of_impact(ball, path, ball, path)); },
-                           {"limber::time_of_impact", "speed"}));
-    EXPECT_TRUE(is_refused([&] { static_cast<void>(min_distance(ball, path, ball, path)); },
-                           {"limber::min_distance", "speed"}));
-  }
+  refused(RigidPath{stay, std::numeric_limits<double>::max()}, {}, "speeds");
+  for (const double speed : {-1.0, nan, endless}) refused(RigidPath{stay, speed}, {}, "speed");
 }
 
 }  // namespace

@@ -36,6 +36,8 @@ struct PointCase {
     world = placed_triangles(model.mesh(), pose);
   }
   const bvh::Tree& tree() const { return tree_of(model); }
+  const bvh::Node& node() const { return lowest_node(model); }
+  simd::QueryPoint in_frame() const { return PlacedModel({model, pose}).in_frame(point); }
 
   double distance_of(TriangleId t) const { return geometry::closest_on(world[t], point).distance; }
   double distance_of(const bvh::Leaf& leaf) const {
@@ -50,8 +52,8 @@ TEST(PointKernels, BoundsOfChildrenHoldTheirDistances) {
   int near = 0, far = 0, tight = 0;
   for (int i = 0; i < 4000; ++i) {
     const PointCase c(rng);
-    const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
+    const simd::QueryPoint in_frame = c.in_frame();
+    const bvh::Node& node = c.node();
     simd::ChildrenInOrder children;
     simd::kernels().bound_children_to_point(node, in_frame, no_limit_sq, children);
     double least = std::numeric_limits<double>::infinity();
@@ -82,8 +84,8 @@ TEST(PointKernels, IntervalsOfTrianglesHoldTheirDistances) {
   int dropped = 0;
   for (int i = 0; i < 6000; ++i) {
     const PointCase c(rng);
-    const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
+    const simd::QueryPoint in_frame = c.in_frame();
+    const bvh::Node& node = c.node();
     const auto slot = static_cast<std::uint32_t>(rng.below(node.child_count));
     const bvh::Leaf& leaf = c.tree().leaves[slot];
     const double least = c.distance_of(leaf), limit = least * rng.uniform(1, 2);
@@ -110,8 +112,8 @@ TEST(PointKernels, AreTheSameToTheBitOnEveryInstructionSet) {
   int ray_count = 0;
   for (int i = 0; i < 3000; ++i) {
     const PointCase c(rng);
-    const simd::QueryPoint in_frame = PlacedModel({c.model, c.pose}).in_frame(c.point);
-    const bvh::Node& node = c.tree().nodes[c.tree().first_lowest_node()];
+    const simd::QueryPoint in_frame = c.in_frame();
+    const bvh::Node& node = c.node();
     const auto slot = static_cast<std::uint32_t>(rng.below(node.child_count));
     const auto limit = static_cast<float>(rng.uniform(0, 1));
     const double length = rng.uniform(0, 4);

@@ -31,20 +31,29 @@ using pair::PlacedPair;
 using pair::Pruning;
 using pair::Side;
 
-/// A triangle below another one. Both poses shift them, so placing might round, though here it does not.
-struct Scene {
-  Model a, b;
-  PlacedPair placed;
-  PlacedLeaf leaf_a, leaf_b;
+const Triangle level_triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
-  explicit Scene(double height)
-      : a(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})),
-        b(soup({{{0, 0, height}, {1, 0, height}, {0, 1, height}}})),
-        placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}}),
-        leaf_a(placed, Side::a),
-        leaf_b(placed, Side::b) {
+Triangle lifted(const Triangle& t, double height) {
+  return mapped(t, [height](const Vec3& p) { return p + Vec3{0, 0, height}; });
+}
+
+/// Two models and their first leaves. Both poses shift them, so placing might round, though here it does not.
+struct TwoLeaves {
+  PlacedPair placed;
+  PlacedLeaf leaf_a{placed, Side::a}, leaf_b{placed, Side::b};
+
+  TwoLeaves(const Model& a, const Model& b) : placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}}) {
     leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
   }
+};
+
+/// A triangle below another one.
+struct ModelsOfTwo {
+  Model a{soup({level_triangle})}, b;
+  explicit ModelsOfTwo(double height) : b(soup({lifted(level_triangle, height)})) {}
+};
+struct TwoTriangles : ModelsOfTwo, TwoLeaves {
+  explicit TwoTriangles(double height) : ModelsOfTwo(height), TwoLeaves(a, b) {}
 
   bool is_pruned_after(const BoundUpdate& update) {
     Pruning pruning(placed, 1000);
@@ -79,7 +88,7 @@ TEST(Pruning, ComparesWhatIsNearerThanThePruneDistance) {
                          // does.
                          Known{1, {2, 1, up}, false}, Known{1 + 0x1p-30, {2, 1, up}, true},
                          Known{1000, {1001, infinity, up}, false}}) {  // may be within the limit
-    Scene scene(k.height);
+    TwoTriangles scene(k.height);
     EXPECT_EQ(scene.is_pruned_after(k.update), k.is_pruned) << k.height;
     Pruning pruning(scene.placed, 1000);
     pruning.update(k.update);
@@ -89,12 +98,12 @@ TEST(Pruning, ComparesWhatIsNearerThanThePruneDistance) {
 
 TEST(Pruning, ComparesTiesWhereTheyAreToBeCompared) {
   for (const double height : {1.0, 1 + 0x1p-52, 1 - 0x1p-53, 1 + 0x1p-48}) {
-    Scene scene(height);
+    TwoTriangles scene(height);
     Pruning pruning(scene.placed, 1000, pair::Ties::compared);
     pruning.update({1, 1, {0, 0, 1}});
     EXPECT_FALSE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0)) << height;
   }
-  Scene scene(1 + 0x1p-30);
+  TwoTriangles scene(1 + 0x1p-30);
   Pruning pruning(scene.placed, 1000, pair::Ties::compared);
   pruning.update({1, 1, {0, 0, 1}});
   EXPECT_TRUE(pruning.prunes(scene.leaf_a, 0, scene.leaf_b, 0));
@@ -104,45 +113,38 @@ TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
   // A vertex of b has come home from 2^50 within the motion margin. The bounds, and the rounding that they allow for,
   // are as large.
   const double far = 0x1p50, height = 999.75, distance = 1000;
-  const Model a(soup({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}));
+  const Model a(soup({level_triangle}));
   Model b(soup({{{0, 0, height}, {1, 0, height}, {0, far, height}}}), {.motion_margin = 2 * far});
   ASSERT_TRUE(b.move_all(std::vector<Vec3>{{0, 0, height}, {1, 0, height}, {0, 1, height}}));
   b.commit();
   ASSERT_GE(tree_of(b).slack, far / 2);
-  const PlacedPair placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
-  ASSERT_LT(distance - height, base::usual_part * base::local_gap_error * placed.error());
-  PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);
-  leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
-  Pruning pruning(placed, 2 * distance);
+  TwoLeaves two(a, b);
+  ASSERT_LT(distance - height, base::usual_part * base::local_gap_error * two.placed.error());
+  Pruning pruning(two.placed, 2 * distance);
   pruning.update({distance, distance, {0, 0, 1}});
-  EXPECT_FALSE(pruning.prunes(leaf_a, 0, leaf_b, 0));
+  EXPECT_FALSE(pruning.prunes(two.leaf_a, 0, two.leaf_b, 0));
   pruning.update({height, height, {0, 0, 1}});
-  EXPECT_TRUE(pruning.prunes(leaf_a, 0, leaf_b, 0));
+  EXPECT_TRUE(pruning.prunes(two.leaf_a, 0, two.leaf_b, 0));
 }
 
 TEST(Pruning, PrunesTwoLeavesIfAllTheirTrianglesAreFarEnoughApart) {
-  const Triangle flat{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, hill{{0, 0, 0}, {1, 0, 0.25}, {0, 1, 0}};
-  const auto at = [](Triangle t, double height) {
-    for (Vec3* v : {&t.v0, &t.v1, &t.v2}) v->z += height;
-    return t;
-  };
-  const Model a(soup({flat, hill})), b(soup({at(flat, 1), at(flat, 2), at(flat, 3)}));
-  const PlacedPair placed({a, {{}, {1, 2, 3}}}, {b, {{}, {1, 2, 3}}});
-  PlacedLeaf leaf_a(placed, Side::a), leaf_b(placed, Side::b);
-  leaf_a.take(tree_of(a).leaves[0]), leaf_b.take(tree_of(b).leaves[0]);
-  Pruning pruning(placed, 1000);
-  EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));  // no direction yet
+  const Triangle hill{{0, 0, 0}, {1, 0, 0.25}, {0, 1, 0}};
+  const Model a(soup({level_triangle, hill})),
+      b(soup({lifted(level_triangle, 1), lifted(level_triangle, 2), lifted(level_triangle, 3)}));
+  TwoLeaves two(a, b);
+  Pruning pruning(two.placed, 1000);
+  EXPECT_FALSE(prunes(pruning, two.leaf_a, two.leaf_b));  // no direction yet
   pruning.update({1, 1, {0, 0, 1}});
-  EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
-  EXPECT_TRUE(pruning.prunes(leaf_a, 0, leaf_b, 0));  // a tie
+  EXPECT_FALSE(prunes(pruning, two.leaf_a, two.leaf_b));
+  EXPECT_TRUE(pruning.prunes(two.leaf_a, 0, two.leaf_b, 0));  // a tie
   pruning.update({0.75 + 0x1p-30, 0.75 + 0x1p-30, {0, 0, 1}});
-  EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
+  EXPECT_FALSE(prunes(pruning, two.leaf_a, two.leaf_b));
   pruning.update({0.75, 0.75, {0, 0, 1}});
-  EXPECT_TRUE(prunes(pruning, leaf_a, leaf_b));  // a tie
+  EXPECT_TRUE(prunes(pruning, two.leaf_a, two.leaf_b));  // a tie
   pruning.restore_direction(Vec3{0, 1, 0});
-  EXPECT_FALSE(prunes(pruning, leaf_a, leaf_b));
+  EXPECT_FALSE(prunes(pruning, two.leaf_a, two.leaf_b));
   pruning.restore_direction(Vec3{0, 0, 1});
-  EXPECT_TRUE(prunes(pruning, leaf_a, leaf_b));
+  EXPECT_TRUE(prunes(pruning, two.leaf_a, two.leaf_b));
 }
 
 TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
@@ -151,18 +153,16 @@ TEST(Pruning, KnowsWhichLeavesItIsAskedAbout) {
   for (int k = 0; k < 64; ++k)
     triangles.push_back({{3.0 * k, 0, 0.1 * k}, {3.0 * k + 1, 0, 0.1 * k}, {3.0 * k, 1, 0.1 * k}});
   const Model stairs(soup(triangles)), roof(soup({{{0, 0, 10}, {200, 0, 10}, {0, 1, 10}}}));
-  const PlacedPair placed({stairs, {{}, {1, 2, 3}}}, {roof, {{}, {1, 2, 3}}});
-  PlacedLeaf leaf(placed, Side::a), leaf_b(placed, Side::b);
-  leaf_b.take(tree_of(roof).leaves[0]);
-  Pruning pruning(placed, 1000);
+  TwoLeaves two(stairs, roof);
+  Pruning pruning(two.placed, 1000);
   pruning.update({6, 6, {0, 0, 1}});
   int pruned = 0;
   for (const bvh::Leaf& l : tree_of(stairs).leaves) {
     double most = 0;
     for (const TriangleId t : l.triangle) most = std::max(most, triangles[t].v0.z);
-    leaf.take(l);
-    ASSERT_EQ(prunes(pruning, leaf, leaf_b), 10 - most > 6) << most;
-    ASSERT_EQ(leaf.at(7).corners.v0, triangles[l.triangle[7]].v0 + (Vec3{1, 2, 3}));
+    two.leaf_a.take(l);
+    ASSERT_EQ(prunes(pruning, two.leaf_a, two.leaf_b), 10 - most > 6) << most;
+    ASSERT_EQ(two.leaf_a.at(7).corners.v0, triangles[l.triangle[7]].v0 + (Vec3{1, 2, 3}));
     pruned += 10 - most > 6 ? 1 : 0;
   }
   EXPECT_GT(pruned, 2);

@@ -8,12 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "limber/distance.h"
 #include "limber/model.h"
-#include "scenes/motions.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
-#include "support/right_answers.h"
 #include "unit/internals.h"
 
 namespace limber::testing {
@@ -63,39 +60,6 @@ TEST(RealTime, NoMoveAndNoCommitGoesOverTheWholeTreeWhileItIsRebuilt) {
     EXPECT_GE(model.maintenance_stats().rebuilt_triangles, 2 * grid_side * grid_side);  // often enough
     EXPECT_EQ(never_rebuilt.maintenance_stats().whole_passes, 1U);                      // the first move
   }
-}
-
-TEST(RealTime, EveryTickOfAForceLoopIsCertified) {
-  // A tool slides over a sheet that is dented below it and comes back, while its tree is rebuilt in parts.
-  Model sheet(scenes::grid(grid_side, grid_side, 0, 0, 1, 1), ModelOptions::real_time(commit_budget_us));
-  const Model tool(scenes::ball(16, 9));
-  QueryCache cache;
-  Rng rng(86);
-  int interrupted = 0, beyond = 0, met = 0;
-  for (int tick = 0; tick < 3000; ++tick) {
-    const double turn = 0.01 * tick, height = 0.9 + 0.7 * scenes::cosine(3 * turn);
-    const Vec3 at{18 + 12 * scenes::cosine(turn), 18 + 12 * scenes::sine(turn), height};
-    std::vector<VertexId> ids;
-    std::vector<Vec3> positions;
-    for (VertexId v = 0; v < sheet.mesh().positions().size(); ++v) {
-      const Vec3 p = sheet.mesh().positions()[v], from{p.x - at.x, p.y - at.y, 0};
-      const double deep = std::min(0.9 * p.z, height - 1.1 + dot(from, from) / 8);
-      if (deep > -1e-3 && p.z == 0) continue;
-      ids.push_back(v), positions.push_back({p.x, p.y, deep > -1e-3 ? 0 : deep});
-    }
-    sheet.move_vertices(ids, positions).value();
-    sheet.commit();
-    const Placed a{sheet}, b{tool, {scenes::random_rotation(rng), at}};
-    const DistanceOptions asked{.relative_error = 0.25, .max_distance = 0.5};
-    const DistanceOptions limited = with(asked, &cache, {.max_steps = rng.below(60)});
-    const DistanceResult found = distance(a, b, limited);
-    ASSERT_EQ(wrong_answer(found, limited, a, b, {distance(a, b).upper, 1e-12}), "") << tick;
-    interrupted += found.status == DistanceStatus::interrupted ? 1 : 0;
-    beyond += found.status == DistanceStatus::beyond_limit ? 1 : 0;
-    met += found.status == DistanceStatus::collision ? 1 : 0;
-  }
-  EXPECT_GT(std::min({interrupted, beyond, 3000 - interrupted - beyond - met}), 100);
-  EXPECT_GT(sheet.maintenance_stats().rebuilt_triangles, 2 * grid_side * grid_side);
 }
 
 TEST(RealTime, CountsWholePasses) {

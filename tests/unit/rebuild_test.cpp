@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <optional>
-#include <thread>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -34,11 +34,13 @@ class Moving {
   bvh::Tree& tree() { return tree_; }
   bvh::DirtySet& dirty() { return dirty_; }
 
+  /// The position of a vertex, to be changed.
+  Vec3& moved(VertexId v) {
+    dirty_.add(v);
+    return positions_[v];
+  }
   void move(VertexId first, VertexId count) {
-    for (VertexId v = first; v < first + count; ++v) {
-      positions_[v] = positions_[v] + 0.02 * uniform_point(rng_);
-      dirty_.add(v);
-    }
+    for (VertexId v = first; v < first + count; ++v) moved(v) += 0.02 * uniform_point(rng_);
   }
   /// Gives every piece of confetti the place of another one.
   void mix() {
@@ -81,10 +83,7 @@ class Moving {
   Rng rng_{17};
 };
 
-Moving moving_soup(std::uint32_t triangles) {
-  scenes::Motion soup = scenes::shuffled_soup(triangles);
-  return Moving(soup.mesh);
-}
+Moving moving_soup(std::uint32_t triangles) { return Moving(scenes::shuffled_soup(triangles).mesh); }
 
 /// The leaves' triangles, each leaf's in order.
 std::vector<std::vector<TriangleId>> assignment(const bvh::Tree& tree) {
@@ -94,6 +93,55 @@ std::vector<std::vector<TriangleId>> assignment(const bvh::Tree& tree) {
     std::sort(leaves.back().begin(), leaves.back().end());
   }
   return leaves;
+}
+
+TEST(Refit, FitsTheSphereOfTheRootToTheLevelsBelowItsChildren) {
+  // Small triangles that fill a square. Those at its corners decide how large the root's sphere is, and not always
+  // change the volumes of its children.
+  Rng rng(901);
+  std::vector<Triangle> triangles;
+  for (int i = 0; i < 2000; ++i) {
+    const auto at = [&](double x, double y) {
+      return Vec3{x + rng.uniform(-0.05, 0.05), y + rng.uniform(-0.05, 0.05), 0};
+    };
+    const double x = rng.uniform(-1, 1), y = rng.uniform(-1, 1);
+    triangles.push_back({at(x, y), at(x, y), at(x, y)});
+  }
+  Moving moving(soup(triangles));
+  for (int i = 0; i < 300; ++i) {
+    VertexId farthest = 0;
+    const std::span<const Vec3> positions = moving.mesh().positions;
+    for (VertexId v = 0; v < positions.size(); ++v) {
+      if (length(positions[v]) > length(positions[farthest])) farthest = v;
+    }
+    Vec3& p = moving.moved(farthest);
+    p = p * rng.uniform(0.7, 1);
+    ASSERT_FALSE(moving.dirty().covers_most_of(moving.tree()));
+    moving.refit();
+    const auto valid = bvh::validate(moving.tree(), moving.mesh());
+    ASSERT_TRUE(static_cast<bool>(valid)) << i << ": " << valid.error().text;
+    bvh::Tree fitted = moving.tree();
+    bvh::fit(fitted, moving.mesh());
+    const float radius = fitted.nodes[0].bounds.radius[0];
+    ASSERT_NEAR(moving.tree().nodes[0].bounds.radius[0], radius, 1e-5F * radius) << i;
+  }
+}
+
+TEST(Refit, KeepsOriginsOfNodesAmongTheirTriangles) {
+  // Float32 numbers relative to an origin lose precision in proportion to its distance.
+  Moving moving(scenes::grid(40, 40, 0, 0, 1, 1));
+  const auto count = static_cast<VertexId>(moving.mesh().positions.size());
+  for (VertexId begin = 0; begin < count; begin += 100) {
+    for (VertexId v = begin; v < std::min(begin + 100, count); ++v) moving.moved(v).x += 2e4;
+    ASSERT_FALSE(moving.dirty().covers_most_of(moving.tree()));
+    moving.refit();
+  }
+  for (std::uint32_t n = 0; n < moving.tree().first_lowest_node(); ++n) {
+    const bvh::Node& node = moving.tree().nodes[n];
+    const float largest = *std::max_element(node.bounds.radius, node.bounds.radius + node.child_count);
+    const Vec3 from_origin = moving.tree().nodes[node.first_child].origin - node.origin;
+    EXPECT_LE(max_abs(from_origin), 65 * moving.tree().unit * static_cast<double>(largest)) << n;
+  }
 }
 
 TEST(Rebuild, OfEverythingAtRestGivesTheTreeThatIsBuilt) {

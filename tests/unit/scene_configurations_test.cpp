@@ -17,49 +17,22 @@
 #include <utility>
 #include <vector>
 
-#include "limber/scene.h"
-#include "reference/reference.h"
-#include "support/random_geometry.h"
+#include "support/keys.h"
+#include "support/random_scene.h"
 
 namespace limber::testing {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-bool has_same_bits(const std::optional<Witness>& s, const std::optional<Witness>& t) {
-  if (!s || !t) return !s && !t;
-  return s->point_a == t->point_a && s->point_b == t->point_b && s->triangle_a == t->triangle_a &&
-         s->triangle_b == t->triangle_b;
-}
-bool has_same_bits(const QueryStats& s, const QueryStats& t) {
-  return s.node_tests == t.node_tests && s.primitive_tests == t.primitive_tests;
-}
-bool has_same_bits(const ClosestObjectsResult& s, const ClosestObjectsResult& t) {
-  return s.objects == t.objects && s.result.lower == t.result.lower && s.result.upper == t.result.upper &&
-         s.result.status == t.result.status && s.result.stopped_by == t.result.stopped_by &&
-         has_same_bits(s.result.witness, t.result.witness) && has_same_bits(s.result.stats, t.result.stats);
-}
-bool has_same_bits(const AnyWithinResult& s, const AnyWithinResult& t) {
-  return s.objects == t.objects && s.result.answer == t.result.answer && s.result.stopped_by == t.result.stopped_by &&
-         has_same_bits(s.result.witness, t.result.witness) && has_same_bits(s.result.stats, t.result.stats);
-}
-
-/// A scene of several kinds of models, one id of which is free, and many configurations of some of them.
-struct Plan {
-  std::vector<Model> models;
-  limber::Scene scene;
+/// Many configurations of some objects of a scene.
+struct Plan : Heap {
   std::vector<ObjectId> ids;
   std::vector<Transform> poses;
   std::size_t count;
 
   Plan(Rng& rng, std::size_t objects, std::size_t moving, std::size_t configurations, double range)
-      : count(configurations) {
-    models.emplace_back(scenes::ball(8, 5));
-    models.emplace_back(scenes::grid(3, 3, -1, -1, 0.6, 0.6));
-    models.emplace_back(scenes::random_soup(rng, 9, 0.5));
-    for (std::size_t i = 0; i < objects; ++i) static_cast<void>(scene.add({models[i % 3], random_pose(rng, range)}));
-    if (objects > 4) scene.remove(3);
-    scene.commit();
+      : Heap(rng, objects, range), count(configurations) {
     for (ObjectId id = 0; id < scene.id_bound() && ids.size() < moving; ++id) {
       if (scene.contains(id)) ids.push_back(id);
     }
@@ -154,29 +127,6 @@ TEST(ObjectPairMatrixTest, IsAFilter) {
 
 // --- any pair within a distance ---
 
-TEST(SceneConfigurationsTest, TellWhetherAnyTwoObjectsAreWithinADistance) {
-  Rng rng(8302);
-  for (int i = 0; i < 60; ++i) {
-    const Plan plan(rng, rng.below(12), 0, 0, rng.below(2) == 0 ? 3 : 9);
-    std::vector<reference::Placed> twins;
-    for (ObjectId id = 0; id < plan.scene.id_bound(); ++id) {
-      if (!plan.scene.contains(id)) continue;
-      twins.push_back({plan.scene.object(id).model().mesh(), plan.scene.object(id).pose});
-    }
-    const double truth = reference::closest_objects(twins).result.upper;
-    for (const double max_distance : {0.0, 0.3, truth * 0.999, truth * 1.001}) {
-      if (!std::isfinite(max_distance)) continue;
-      const auto [objects, result] = plan.scene.any_within(max_distance);
-      ASSERT_EQ(result.is_yes(), truth <= max_distance) << max_distance << ", " << truth;
-      ASSERT_EQ(result.is_no(), !result.is_yes());
-      ASSERT_EQ(objects.a != no_id, result.is_yes());
-      if (!result.is_yes()) continue;
-      ASSERT_TRUE(within(plan.scene.object(objects.a), plan.scene.object(objects.b), max_distance).is_yes());
-      ASSERT_LE(length(result.witness->point_b - result.witness->point_a), max_distance + 1e-13);
-    }
-  }
-}
-
 TEST(SceneConfigurationsTest, AskOnePairAfterTheOtherUntilOneIsWithinTheDistance) {
   Rng rng(8310);
   std::size_t late = 0;
@@ -195,7 +145,7 @@ TEST(SceneConfigurationsTest, AskOnePairAfterTheOtherUntilOneIsWithinTheDistance
       return false;
     };
     plan.scene.visit_candidate_pairs(1e-3, ask, filter);
-    ASSERT_TRUE(has_same_bits(plan.scene.any_within(1e-3, {.filter = filter}), expected));
+    ASSERT_EQ(key_of(plan.scene.any_within(1e-3, {.filter = filter})), key_of(expected));
     late += expected.result.is_yes() && asked > 3 ? 1 : 0;
   }
   EXPECT_GT(late, 3U);
@@ -239,8 +189,8 @@ TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
           plan.scene.closest_objects_many(plan.ids, plan.poses, closest, how);
           plan.scene.any_within_many(plan.ids, plan.poses, 0.4, any, which);
           for (std::size_t k = 0; k < plan.count; ++k) {
-            ASSERT_TRUE(has_same_bits(closest[k], expected[k])) << k;
-            ASSERT_TRUE(has_same_bits(any[k], expected_any[k])) << k;
+            ASSERT_EQ(key_of(closest[k]), key_of(expected[k])) << k;
+            ASSERT_EQ(key_of(any[k]), key_of(expected_any[k])) << k;
           }
         });
       }
@@ -256,7 +206,7 @@ TEST(SceneConfigurationsTest, MayBeNoneOrOfNoObject) {
   plan.scene.any_within_many(plan.ids, {}, 1, {});
   std::vector<ClosestObjectsResult> closest(3);
   plan.scene.closest_objects_many({}, {}, closest);  // the scene as it is
-  for (const ClosestObjectsResult& c : closest) EXPECT_TRUE(has_same_bits(c, plan.scene.closest_objects()));
+  for (const ClosestObjectsResult& c : closest) EXPECT_EQ(key_of(c), key_of(plan.scene.closest_objects()));
   const limber::Scene empty;
   std::vector<AnyWithinResult> any(3);
   empty.any_within_many({}, {}, 1, any);
@@ -352,7 +302,7 @@ TEST(SceneBudgets, KeepIntervalsOfTheClosestObjectsTrue) {
       plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.distance = {.budget = budget}});
       oneapi::tbb::task_arena(5).execute(
           [&] { plan.scene.closest_objects_many(plan.ids, plan.poses, again, {.distance = {.budget = budget}}); });
-      for (std::size_t k = 0; k < 8; ++k) ASSERT_TRUE(has_same_bits(closest[k], again[k]));
+      for (std::size_t k = 0; k < 8; ++k) ASSERT_EQ(key_of(closest[k]), key_of(again[k]));
     }
   }
   EXPECT_GT(interrupted, 80U);

@@ -17,16 +17,13 @@
 #include "limber/scene.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
+#include "unit/shapes.h"
 
 namespace limber::testing {
 namespace {
 
 using motion::MovingBodies;
 using motion::Shadow;
-
-Mat3 about_z(double angle) {
-  return {{std::cos(angle), -std::sin(angle), 0}, {std::sin(angle), std::cos(angle), 0}, {0, 0, 1}};
-}
 
 /// A tube about the z axis from z = 0 to 1, of 2 n^2 triangles; with a bottom, of more.
 Mesh tube(double radius, std::uint32_t n, bool has_bottom = false) {

@@ -24,8 +24,7 @@ namespace {
 constexpr double endless = std::numeric_limits<double>::infinity();
 
 double from_core(const Placed& body, TriangleId id, const Vec3& point) {
-  const Triangle t = body.model().mesh().triangle(id);
-  return closest_points(point, Triangle{body.pose(t.v0), body.pose(t.v1), body.pose(t.v2)}).distance;
+  return closest_points(point, mapped(body.model().mesh().triangle(id), body.pose)).distance;
 }
 
 bool is_in(const Placed& body, const Vec3& point) {
@@ -247,7 +246,7 @@ TEST(Shapes, SpheresAreAsFarAsTheClosestOfAllTrianglesToTheBit) {
     const Vec3 p = at(Vec3{});
     double least = endless;
     for (const Triangle& t : triangles) {
-      const Triangle placed{pose(t.v0), pose(t.v1), pose(t.v2)};
+      const Triangle placed = mapped(t, pose);
       least = std::min(least, closest_points(i % 4 < 2 ? Triangle{p, p, p} : placed,  //
                                              i % 4 < 2 ? placed : Triangle{p, p, p})
                                   .distance);

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "limber/mesh.h"
 #include "support/random_geometry.h"
 
-/// Meshes that several tests use.
+/// Meshes and turns that several tests use.
 namespace limber::testing {
 
 inline Mesh small_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles) {
@@ -39,6 +40,10 @@ inline std::vector<Vec3> box_corners(const Vec3& low, const Vec3& high) {
 
 inline Mesh box_mesh(const Vec3& low, const Vec3& high) {
   return Mesh::create(box_corners(low, high), box_triangles()).value();
+}
+
+inline Mat3 about_z(double angle) {
+  return {{std::cos(angle), -std::sin(angle), 0}, {std::sin(angle), std::cos(angle), 0}, {0, 0, 1}};
 }
 
 }  // namespace limber::testing

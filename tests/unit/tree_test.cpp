@@ -9,21 +9,25 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "bvh/partition.h"
+#include "bvh/refit.h"
 #include "bvh/tree.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "scenes/motions.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
-#include "support/rational_distance.h"
+#include "support/rational_geometry.h"
 
 namespace limber::testing {
 namespace {
 
 using bvh::Tree;
+using bvh::VertexIndex;
 
 TEST(Tree, ShapeDependsOnTheNumberOfTrianglesAlone) {
   Rng rng(210);
@@ -207,6 +211,57 @@ TEST(Tree, ValidateCountsLevels) {
   const auto result = bvh::validate(tree, mesh);
   ASSERT_FALSE(static_cast<bool>(result));
   EXPECT_EQ(result.error().text.substr(0, 2), "I3") << result.error().text;
+}
+
+/// The nodes at each vertex, found without an index.
+std::vector<std::set<std::uint32_t>> nodes_at_vertices(const bvh::Tree& tree, std::size_t vertex_count) {
+  std::vector<std::set<std::uint32_t>> nodes(vertex_count);
+  for (std::uint32_t n = tree.first_lowest_node(); n < tree.nodes.size(); ++n) {
+    for (std::uint32_t k = 0; k < tree.nodes[n].child_count; ++k) {
+      for (const auto& corners : tree.leaves[tree.nodes[n].first_child + k].vertices) {
+        for (const VertexId v : corners) nodes[v].insert(n);
+      }
+    }
+  }
+  return nodes;
+}
+
+void expect_complete(const VertexIndex& index, const bvh::Tree& tree, std::size_t vertex_count) {
+  ASSERT_TRUE(index.is_complete());
+  const std::vector<std::set<std::uint32_t>> expected = nodes_at_vertices(tree, vertex_count);
+  for (VertexId v = 0; v < vertex_count; ++v) {
+    const auto found = index.nodes_at(v);
+    ASSERT_EQ(found.size(), expected[v].size()) << v;
+    ASSERT_TRUE(std::is_permutation(found.begin(), found.end(), expected[v].begin())) << v;
+  }
+}
+
+TEST(VertexIndex, ListsTheLowestNodesAtEachVertexOnceHoweverSmallTheSteps) {
+  for (const Mesh& mesh : {scenes::grid(1, 1, 0, 0, 1, 1), scenes::grid(60, 50, 0, 0, 1, 1), scenes::ball(32, 17),
+                           scenes::shuffled_soup(3000).mesh}) {
+    const bvh::Tree tree = bvh::build(mesh);
+    const std::size_t vertices = mesh.positions().size();
+    VertexIndex index;
+    index.start(vertices);
+    base::WorkBudget unlimited = base::WorkBudget::unlimited(), none(0);
+    EXPECT_TRUE(index.build(tree, unlimited));
+    expect_complete(index, tree, vertices);
+    index.drop();
+    EXPECT_FALSE(index.is_complete());
+    index.reserve(vertices, mesh.triangles().size());
+    index.start(vertices);
+    EXPECT_FALSE(index.build(tree, none));
+    EXPECT_EQ(none.spent_ns(), 0);
+    std::size_t calls = 0;
+    for (bool is_done = false; !is_done; ++calls) {
+      ASSERT_FALSE(index.is_complete());
+      base::WorkBudget least(1e-3);
+      is_done = index.build(tree, least);
+      ASSERT_LT(least.spent_ns(), 5000);  // one step
+    }
+    EXPECT_GT(calls, mesh.triangles().size() / 120);
+    expect_complete(index, tree, vertices);
+  }
 }
 
 using bvh::PrimitiveRef;
