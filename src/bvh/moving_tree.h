@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "base/uninitialized.h"
+#include "base/memory.h"
 #include "bvh/tree.h"
 #include "layout/moving_node.h"
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/uninitialized.h"
+#include "base/memory.h"
 #include "bvh/unit.h"
 #include "layout/node.h"
 #include "limber/base.h"

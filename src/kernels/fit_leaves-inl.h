@@ -18,7 +18,7 @@
 #include <span>
 
 #include "base/error_bounds.h"
-#include "base/prefetch.h"
+#include "base/memory.h"
 #include "kernels/slab_normal-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/exact_sign.h"
+#include "geometry/plane_sides.h"
 #include "support/random_geometry.h"
 #include "support/rational_distance.h"
 
