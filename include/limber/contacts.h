@@ -29,6 +29,7 @@
 ///
 /// Order    Pairs come in an order that depends on the models, their history and their poses alone: not on the
 ///          processor, and not on threads. It is not sorted.
+/// Threads  Every function is reentrant; any number of calls may share models.
 namespace limber {
 
 /// Two triangles, one of each model, or two of one model.
@@ -81,7 +82,6 @@ struct PairCount {
 ///          filter throws.
 /// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing, unless it is parallel.
-/// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/contacts.md.
 LIMBER_API PairCount visit_intersections(const Placed& a, const Placed& b, TrianglePairVisitor visit,
                                          const PairOptions& options = {});
@@ -96,10 +96,7 @@ LIMBER_API PairCount intersections(const Placed& a, const Placed& b, std::span<T
 /// Room     Where there may be more contacts than room, or not enough time, closest_pairs() with `max_distance` gives
 ///          the nearest ones.
 /// Depth    That of two triangles. It is not the depth of two bodies, and goes to 0 where meshes are refined.
-/// Throws   As visit_intersections(); also unless the margin is finite and >= 0.
-/// Budget   As visit_intersections().
-/// Cost     As visit_intersections().
-/// Threads  As visit_intersections().
+/// Throws   As visit_intersections(); also unless the margin is finite and >= 0. Budget and cost as there.
 LIMBER_API PairCount visit_contacts(const Placed& a, const Placed& b, double margin, ContactVisitor visit,
                                     const PairOptions& options = {});
 LIMBER_API PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
@@ -124,7 +121,6 @@ struct ClosestPairsOptions {
 ///          pairs of nodes are compared before far ones.
 /// Throws   As visit_intersections(); also unless max_distance is >= 0 or infinite.
 /// Cost     As visit_intersections().
-/// Threads  As visit_intersections().
 LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest,
                                    const ClosestPairsOptions& options = {});
 
@@ -135,7 +131,8 @@ LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<C
 // two triangles of the same three vertices never meet, in whichever order these are. That is decided exactly. Otherwise
 // such neighbors do not count, however close they are. Equal positions under different ids are not shared: such
 // triangles meet. Poses do not matter, so there are none; results are in the model's own frame. Normals of contacts
-// take the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow.
+// take the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow. All queries cost
+// what self_collide() does.
 
 /// Alias    As PairOptions.
 struct SelfQueryOptions {
@@ -166,7 +163,6 @@ struct SelfDistanceOptions {
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
 /// Cost     In practice O(n) for surfaces that do not meet themselves, O(n log n) for triangles around one vertex or
 ///          edge; O(n^2) at worst. 40 kB of stack; allocates nothing but a cache's memory.
-/// Threads  Reentrant.
 /// Source   docs/algorithms/contacts.md.
 LIMBER_API CollideResult self_collide(const Model& model, const SelfQueryOptions& options = {});
 
@@ -178,16 +174,12 @@ LIMBER_API CollideResult self_collide(const Model& model, const SelfQueryOptions
 /// Cache    The pair of the last answer is compared first and gives an upper bound. What is said there about other
 ///          caches holds here; where errors are asked for, the interval may depend on it, within these errors.
 /// Throws   As self_collide(); also unless the options are what DistanceOptions says.
-/// Cost     As self_collide().
-/// Threads  Reentrant.
 LIMBER_API DistanceResult self_distance(const Model& model, const SelfDistanceOptions& options = {});
 
 /// All pairs of triangles that meet.
 ///
 /// Promise  As visit_intersections().
 /// Throws   As self_collide(); whatever the visitor throws.
-/// Cost     As self_collide().
-/// Threads  Reentrant.
 LIMBER_API PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit,
                                               const PairOptions& options = {});
 LIMBER_API PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs,
@@ -197,8 +189,6 @@ LIMBER_API PairCount self_intersections(const Model& model, std::span<TrianglePa
 ///
 /// Promise  As visit_contacts().
 /// Throws   As visit_self_intersections(); also unless the margin is finite and >= 0.
-/// Cost     As self_collide().
-/// Threads  Reentrant.
 LIMBER_API PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit,
                                          const PairOptions& options = {});
 LIMBER_API PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts,
@@ -208,8 +198,6 @@ LIMBER_API PairCount self_contacts(const Model& model, double margin, std::span<
 /// closest_pairs() says.
 ///
 /// Throws   As self_collide(); also unless max_distance is >= 0 or infinite.
-/// Cost     As self_collide().
-/// Threads  Reentrant.
 LIMBER_API PairCount self_closest_pairs(const Model& model, std::span<Contact> closest,
                                         const ClosestPairsOptions& options = {});
 
@@ -304,7 +292,6 @@ struct ReductionOptions {
 /// Cost     O(n log n) for n contacts, wherever they are and however their normals lie: each is compared with the
 ///          patches next to it, some hundred at most. Allocates nothing if `memory` has grown to it; else 250 bytes a
 ///          contact in six pieces.
-/// Threads  Reentrant.
 /// Source   Deepest contact first, then those that span most, as in Bullet, Jolt and Rapier;
 ///          docs/algorithms/contacts.md.
 [[nodiscard]] LIMBER_API std::size_t reduce_contacts(std::span<Contact> contacts, double radius,

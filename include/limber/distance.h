@@ -27,6 +27,8 @@
 /// E is the largest coordinate of a corner of the closest triangles, relative to the first corner of a's triangle; the
 /// largest such number if several pairs are equally close. M is the sum of both models' largest coordinates and
 /// translations: nodes and triangles are pruned before their vertices are placed. See docs/algorithms/numerics.md.
+///
+/// Threads  Every query is reentrant; any number of calls may share models.
 namespace limber {
 
 /// Why a query stopped where it did.
@@ -158,7 +160,6 @@ struct [[nodiscard]] CollideResult {
 /// Budget   With one, the answer is undecided if the budget is spent before there is a contact or a proof that there is
 ///          none. The next call with the same cache goes on from there. If the models have moved since, what was proven
 ///          holds less the motion.
-/// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/traversal.md.
 LIMBER_API CollideResult collide(const Placed& a, const Placed& b, const QueryOptions& options = {});
 
@@ -175,7 +176,6 @@ LIMBER_API CollideResult collide(const Placed& a, const Placed& b, const QueryOp
 /// Throws   std::invalid_argument unless both models are committed, both poses are rigid, the errors are finite and
 ///          >= 0, and max_distance is >= 0 or infinite.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing but a cache's memory.
-/// Threads  Reentrant; any number of calls may share models.
 /// Source   [Quinlan1994] for the error-bounded descent; docs/algorithms/traversal.md.
 LIMBER_API DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions& options = {});
 

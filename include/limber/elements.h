@@ -22,6 +22,7 @@
 ///
 /// Order    Pairs come in an order that depends on the models, their history and their poses alone: not on the
 ///          processor, and not on threads. It is not sorted.
+/// Threads  Every function is reentrant; any number of calls may share models.
 namespace limber {
 
 using EdgeId = std::uint32_t;
@@ -101,7 +102,6 @@ struct ElementPairOptions {
 /// Budget   If it is spent first, the pairs are some of all: each right, none twice. The next call starts anew.
 /// Cost     Output-sensitive in practice, O(n m) at worst. 40 kB of stack; allocates nothing once the models have their
 ///          edges, unless it is parallel.
-/// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/contacts.md.
 LIMBER_API ElementPairCount visit_element_pairs(const Placed& a, const Placed& b, double margin,
                                                 VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge,
@@ -117,7 +117,6 @@ LIMBER_API ElementPairCount element_pairs(const Placed& a, const Placed& b, doub
 /// Promise  As visit_element_pairs().
 /// Throws   As visit_element_pairs().
 /// Cost     O(n) plus the pairs, O(n^2) at worst. Memory as visit_element_pairs().
-/// Threads  Reentrant.
 LIMBER_API ElementPairCount visit_self_element_pairs(const Model& model, double margin,
                                                      VertexFaceVisitor visit_vertex_face,
                                                      EdgeEdgeVisitor visit_edge_edge,

@@ -27,6 +27,8 @@
 ///
 /// No function depends on the caller's floating-point environment. Few pairs of elements are left to exact arithmetic,
 /// which allocates where its numbers are long.
+///
+/// Threads  Every function is reentrant; any number of calls may share models.
 namespace limber {
 
 struct MovingPoint {
@@ -199,7 +201,6 @@ struct [[nodiscard]] ImpactResult {
 ///          unless a time_error says that they need not be told apart.
 /// Budget   If it is spent first, the status is `undecided`: nothing touches before `lower`, and if `upper` is finite,
 ///          the elements do touch by then. The test of one model for crossings at the start has no budget.
-/// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/impact.md, "Models".
 LIMBER_API ImpactResult time_of_impact(const MovingModel& a, const MovingModel& b, const ImpactOptions& options = {});
 
@@ -245,7 +246,6 @@ using ImpactVisitor = FunctionRef<bool(const Impact&)>;
 /// Promise  As time_of_impact(). `ignore_crossings` and `any_contact` make no difference.
 /// Throws   As time_of_impact(); whatever the visitor throws.
 /// Cost     As time_of_impact(), plus 1 to 50 us for each contact, most where elements stay in one plane.
-/// Threads  Reentrant.
 LIMBER_API PairCount visit_impacts(const MovingModel& a, const MovingModel& b, ImpactVisitor visit,
                                    const ImpactOptions& options = {});
 LIMBER_API PairCount visit_self_impacts(const MovingModel& model, ImpactVisitor visit,
@@ -261,7 +261,6 @@ using ImpactCandidateVisitor = FunctionRef<bool(const ElementPair&)>;
 /// Promise  None that does is missed. time_error, `ignore_crossings` and `any_contact` make no difference.
 /// Throws   As visit_impacts().
 /// Cost     As time_of_impact() without comparing elements. Allocates nothing, unless it is parallel.
-/// Threads  Reentrant.
 LIMBER_API PairCount visit_impact_candidates(const MovingModel& a, const MovingModel& b, ImpactCandidateVisitor visit,
                                              const ImpactOptions& options = {});
 LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, ImpactCandidateVisitor visit,
@@ -282,7 +281,6 @@ LIMBER_API PairCount visit_self_impact_candidates(const MovingModel& model, Impa
 ///          not what it should be, or the separation is not from 0 to 2^200.
 /// Cost     As visit_self_element_pairs() with the separation and twice the largest number as margin: one vertex that
 ///          would like to go far makes all slow. limit_self_motions() costs less and allows more.
-/// Threads  Reentrant.
 /// Source   The displacement bounds of Offset Geometric Contact [Chen2025], but room that one element does not want is
 ///          left to the other.
 LIMBER_API void limit_self_displacements(const Model& model, double separation, std::span<double> displacements);
@@ -303,7 +301,6 @@ LIMBER_API void limit_displacements(const Placed& a, const Placed& b, double sep
 /// Throws   As self_time_of_impact(); std::invalid_argument if there are not as many numbers as vertices, one is not
 ///          from 0 to 1, or the separation is not from 0 to 2^200.
 /// Cost     Twice that of visit_self_impact_candidates(): each vertex is looked at along its own way.
-/// Threads  Reentrant.
 LIMBER_API void limit_self_motions(const MovingModel& model, double separation, std::span<double> fractions);
 
 /// Limits the motions of two models, for pairs of elements of both. A model b without numbers stays at its start.

@@ -17,6 +17,8 @@
 ///
 /// Answers come from distances at some times, and from how fast points can move in between. So they are certified for
 /// any path whose speed is known, however it turns.
+///
+/// Threads  Every function is reentrant; any number of calls may share models.
 namespace limber {
 
 /// The motion of a rigid body from one pose to another: a point of it, the center, moves straight at constant speed,
@@ -108,7 +110,6 @@ struct [[nodiscard]] PathImpact {
 ///          bodies as seen along it are built, at O(n log n), and their distances are counted as well. A RigidPath
 ///          takes a distance for each gap that it goes.
 /// Budget   If it is spent first, the status is `undecided`, and nothing touches before `time`.
-/// Threads  Reentrant.
 /// Source   [Mirtich1996], [KeinertEtAl2014], with certified lower bounds of distances, and shadows;
 ///          docs/algorithms/impact.md, "Rigid bodies".
 LIMBER_API PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b,
@@ -134,7 +135,6 @@ struct [[nodiscard]] PathDistance {
 /// Throws   As time_of_impact(); std::bad_alloc.
 /// Cost     A distance for each piece of time that the speed cannot exclude: 10 to some 100 by default. In proportion
 ///          to the inverse root of the error, where the distance is least in passing.
-/// Threads  Reentrant.
 /// Source   [Piyavskii1972].
 LIMBER_API PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b,
                                      const RigidMotion& motion_b, const PathOptions& options = {});

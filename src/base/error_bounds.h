@@ -135,7 +135,7 @@ inline constexpr double tie_error = 0x1p-45;
 // --- float64, moving elements ---
 
 /// The rounding error of det(u, v, w) and of its Bernstein coefficients, for the vectors of two moving elements
-/// (motion/moving_elements.h), as a part of the product of the largest coordinates of u, v and w at both ends of time.
+/// (motion/element_impact.h), as a part of the product of the largest coordinates of u, v and w at both ends of time.
 /// The determinant is a sum of 6 products of three coordinates. With eps = 2^-53 a product is off by 3 * 8 eps and
 /// 2 eps, sums by 5 eps, coefficients by 3 eps more: 6 * 34 eps < 2^-45.
 inline constexpr double moving_volume_error = 0x1p-45;

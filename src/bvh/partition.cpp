@@ -29,7 +29,6 @@
 
 #include "base/check.h"
 #include "base/parallel.h"
-#include "bvh/partition_few.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {

@@ -16,7 +16,7 @@
 ///
 /// Based on  [Quinlan1994]: a median split perpendicular to the longest side of the bounding box of the centers; and
 ///           [FloydRivest1975] to find the median. Few triangles, those of a lowest node, are split along the best of
-///           several axes (partition_few.h).
+///           several axes (partition_few()).
 /// Differs   Up to eight children instead of two: halves of halves. The number of triangles alone decides the topology:
 ///           every subtree gets whole leaves, as few levels as possible, and children of nearly equal size, so
 ///           leaves and nodes are full nearly everywhere and all leaves are on one level. An odd number of children is
@@ -141,5 +141,25 @@ void write_leaf(Leaf& leaf, MeshView mesh, std::span<const PrimitiveRef> primiti
 
 /// The primitives of leaf `i`, where each leaf takes the next `width` of them.
 std::span<const PrimitiveRef> primitives_of_leaf(std::span<const PrimitiveRef> primitives, std::size_t i);
+
+/// Centers as kernels take points: four floats each. They do not use the fourth, which is the triangle's id.
+inline const float* as_points(const PrimitiveRef* primitives) {
+  static_assert(sizeof(PrimitiveRef) == 4 * sizeof(float));
+  return primitives->center.data();
+}
+
+/// The `n` primitives with the least coordinates along an axis, as a bit mask; of equal coordinates, the smaller
+/// triangle ids are less. Pre: there are at most simd::few_points primitives.
+std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t axis, std::size_t n);
+
+/// Partitions a range of few primitives down to leaves, those of a lowest node or of a part of it.
+///
+/// Based on  The surface area heuristic [MacDonaldBooth1990]: a split is as good as the boxes of its halves are small.
+/// Differs   The sizes of the halves are given. So there are four candidates: the median along each axis, and the
+///           median of the triangles' sizes, which keeps a few large triangles from making all boxes large.
+///
+/// Cost     O(n log n); about as much for each triangle as partitioning it down to here.
+/// Pre      There are at most simd::few_points primitives in the range.
+void partition_few(std::span<PrimitiveRef> primitives, const BuildRange& range, std::span<const HalfSides> half_sides);
 
 }  // namespace limber::bvh

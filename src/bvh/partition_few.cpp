@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The surface area heuristic over the medians along the axes and of the sizes; see partition_few.h.
-#include "bvh/partition_few.h"
+// The surface area heuristic over the medians along the axes and of the sizes; see partition_few().
+#include "bvh/partition.h"
 
 #include <algorithm>
 #include <array>

@@ -18,7 +18,6 @@
 #include <utility>
 
 #include "base/check.h"
-#include "bvh/costs.h"
 #include "bvh/refit.h"
 
 namespace limber::bvh {

@@ -30,7 +30,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/rounding.h"
-#include "bvh/reach.h"
+#include "bvh/tree.h"
 #include "simd/kernels.h"
 
 namespace limber::bvh {

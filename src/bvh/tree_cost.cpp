@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bvh/tree_cost.h"
+#include "bvh/rebuild.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::bound_children_to_point and Kernels::bound_triangles_to_point: bounds of the distances from a point to the
-// volumes of children, and to the quantized triangles of a leaf. Far points: bound_far_point-inl.h.
+// Kernels for a point or a ray, and a tree. The first functions line up children by their bounds, without a branch that
+// nobody could predict.
 
 #if defined(LIMBER_SIMD_BOUND_POINT_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_POINT_INL_H
@@ -13,19 +13,54 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "base/error_bounds.h"
 #include "base/rounding.h"
-#include "kernels/closest_on_triangles-inl.h"
-#include "kernels/order_children-inl.h"
-#include "kernels/slab_sphere-inl.h"
+#include "kernels/project-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
 LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
+
+/// Numbers from here to its double are whole, so their last bits count.
+inline constexpr float counts_from = 0x1p23F;
+
+/// The number of each child, and infinity for slots from `child_count` on. The slots are `i` and following.
+LIMBER_KERNEL Packet infinite_unless_child(Packet x, std::uint32_t i, std::uint32_t child_count) {
+  alignas(64) static constexpr float number[width] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Mask is_child = Packet::load(number + i) < Packet::set(static_cast<float>(child_count));
+  return select(is_child, x, Packet::set(std::numeric_limits<float>::infinity()));
+}
+
+/// Finds which children have a bound of at most `limit`, and their places. Pre: the limit is finite.
+LIMBER_KERNEL void order_children(float limit, ChildrenInOrder& children) {
+  alignas(64) float key[width];
+  unsigned kept = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet bound = Packet::load(children.bound + i);
+    const Mask is_kept = bound <= Packet::set(limit);
+    kept |= bits(is_kept) << i;
+    numbered(select(is_kept, bound, Packet::set(-far_off)), i).store(key + i);
+  }
+  children.kept = kept;
+  const Packet one = Packet::set(1);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet own = Packet::load(key + i);
+    Packet even = Packet::set(counts_from), odd = zero();
+    for (std::uint32_t k = 0; k < width; k += 2) {
+      even = even + select(Packet::set(key[k]) > own, one, zero());
+      odd = odd + select(Packet::set(key[k + 1]) > own, one, zero());
+    }
+    (even + odd).store(children.place_in_bits + i);
+  }
+}
+
+// Kernels::bound_children_to_point and Kernels::bound_triangles_to_point: bounds of the distances from a point to the
+// volumes of children, and to the quantized triangles of a leaf. Far points come below.
 
 // Replaces smaller divisors: radii of spheres that are points.
 inline constexpr float smallest_child_radius = 0x1p-100F;
@@ -134,6 +169,110 @@ LIMBER_KERNEL void bound_triangles_to_point(const bvh::Node& node, std::uint32_t
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     intervals.kept |= bits(Packet::load(intervals.lower + i) <= farthest) << i;
   }
+}
+
+// Kernels::bound_children_along and Kernels::bound_triangles_along: for a point that is far from the model next to its
+// size, so that float32 cannot tell the distances of its parts apart. Their heights along the direction to the point
+// are as small as the model.
+
+/// How far a point, in lengths, is above the base along the point's direction.
+LIMBER_KERNEL double height_of(const QueryPoint& point, const Vec3& p) {
+  const double* const d = point.direction;
+  return d[0] * (p.x - point.base[0]) + d[1] * (p.y - point.base[1]) + d[2] * (p.z - point.base[2]);
+}
+
+LIMBER_KERNEL void bound_children_along(const bvh::Node& node, const QueryPoint& point, float limit,
+                                        ChildrenInOrder& children) {
+  const bvh::ChildBounds& n = node.bounds;
+  const auto height =
+      static_cast<float>(std::clamp(height_of(point, node.origin) * point.per_unit, -base::max_units, base::max_units));
+  const float error = (std::abs(height) + node.radius) * base::projection_error + point.error_units;
+  const Packet at = Packet::set(height + error);
+  const Packet everywhere = Packet::set(static_cast<float>(4 * base::max_units));
+  const Packet3 up = broadcast(point.direction32);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet highest =
+        at + dot(centers(n, i), up) + min(Packet::load(n.radius + i), box_support(half_sizes(n, i), up));
+    // Infinite where the error is.
+    infinite_unless_child(zero() - min(highest, everywhere), i, node.child_count).store(children.bound + i);
+  }
+  children.upper = std::numeric_limits<float>::infinity();
+  order_children(limit, children);
+}
+
+LIMBER_KERNEL void bound_triangles_along(const bvh::Node& node, std::uint32_t slot,
+                                         const bvh::QuantizedTriangles& triangles, const QueryPoint& point,
+                                         double limit, TriangleIntervals& intervals) {
+  const bvh::ChildBounds& n = node.bounds;
+  intervals.step = static_cast<double>(n.radius[slot]) * point.unit / static_cast<double>(bvh::max_quantized);
+  std::fill(intervals.lower, intervals.lower + width, 0.0F);
+  intervals.upper = std::numeric_limits<float>::infinity();
+  const Vec3 center = node.origin + point.unit * Vec3{n.center_x[slot], n.center_y[slot], n.center_z[slot]};
+  // Triangles that do not reach this height over the leaf's center are farther away than the limit.
+  const double needed = point.height - height_of(point, center) - limit - point.error;
+  constexpr double most_steps = 0x1p60;
+  const double error = base::quantization_error +
+                       2 * static_cast<double>(bvh::max_quantized) * static_cast<double>(base::projection_error);
+  const double steps = std::clamp(needed / intervals.step, -most_steps, most_steps) - error;
+  const Packet least = Packet::set(base::float_down(steps));
+  intervals.kept = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    intervals.kept |= bits(farthest_corners(triangles, i, broadcast(point.direction32)) >= least) << i;
+  }
+}
+
+// Kernels::find_crossed_children and Kernels::find_crossed_triangles.
+
+LIMBER_KERNEL unsigned find_crossed_children(const bvh::Node& node, const QueryRay& ray) {
+  const unsigned used = (1U << node.child_count) - 1;
+  const LocalPoint local(ray.origin, node.origin, {}, ray.per_unit);
+  // Not less than: true also where the error is infinite.
+  if (!(local.size + static_cast<double>(ray.error_units) < base::max_units)) return used;
+  const Packet error = Packet::set(local.magnitude(node.radius) * base::projection_error + ray.error_units);
+  const Packet3 at = broadcast(local.position);
+  const Packet3 forward = broadcast(ray.forward), left = broadcast(ray.left), up = broadcast(ray.up);
+  const bvh::ChildBounds& n = node.bounds;
+  unsigned crossed = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet3 d = centers(n, i) - at, half = half_sizes(n, i);
+    const Packet radius = Packet::load(n.radius + i);
+    const auto support = [&](const Packet3& direction) { return min(radius, box_support(half, direction)) + error; };
+    const Mask is_crossed = (zero() - dot(d, forward) <= support(forward)) & (abs(dot(d, left)) <= support(left)) &
+                            (abs(dot(d, up)) <= support(up));
+    crossed |= bits(is_crossed) << i;
+  }
+  return crossed & used;
+}
+
+LIMBER_KERNEL unsigned find_crossed_triangles(const bvh::Node& node, std::uint32_t slot,
+                                              const bvh::QuantizedTriangles& triangles, const QueryRay& ray) {
+  const bvh::ChildBounds& n = node.bounds;
+  const double per_step = static_cast<double>(bvh::max_quantized) / (static_cast<double>(n.radius[slot]) * ray.unit);
+  const Vec3 center = ray.unit * Vec3{n.center_x[slot], n.center_y[slot], n.center_z[slot]};
+  const LocalPoint local(ray.origin, node.origin, center, per_step);
+  const double error =
+      ray.error * per_step + base::quantization_error +
+      (local.size + static_cast<double>(bvh::max_quantized)) * static_cast<double>(base::projection_error);
+  if (!(local.size + error < base::max_units)) return (1U << width) - 1;
+  const Packet off = Packet::set(base::float_up(error));
+  const Packet3 at = broadcast(local.position);
+  const Packet3 forward = broadcast(ray.forward), left = broadcast(ray.left), up = broadcast(ray.up);
+  unsigned crossed = 0;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet3 corner[3] = {corners(triangles, 0, i) - at, corners(triangles, 1, i) - at,
+                               corners(triangles, 2, i) - at};
+    const auto high = [&](const Packet3& v) {
+      return max(max(dot(corner[0], v), dot(corner[1], v)), dot(corner[2], v));
+    };
+    const auto low = [&](const Packet3& v) {
+      return min(min(dot(corner[0], v), dot(corner[1], v)), dot(corner[2], v));
+    };
+    const Packet below = zero() - off;
+    const Mask is_crossed =
+        (high(forward) >= below) & (high(left) >= below) & (low(left) <= off) & (high(up) >= below) & (low(up) <= off);
+    crossed |= bits(is_crossed) << i;
+  }
+  return crossed;
 }
 
 }  // namespace

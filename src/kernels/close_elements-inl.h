@@ -18,8 +18,10 @@
 #include <cstdint>
 #include <cstring>
 
+#include "base/check.h"
 #include "base/error_bounds.h"
 #include "kernels/element_lists-inl.h"
+#include "kernels/project-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
@@ -239,6 +241,26 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
   keep_close<false>(vertex_face, limit_sq, VertexFacePoints<times>{points_a, points_b}, found.vertex_face);
   keep_close<true>(vertex_face_swapped, limit_sq, VertexFacePoints<times>{points_b, points_a}, found.face_vertex);
   keep_close<false>(edge_edge, limit_sq, EdgePoints<times>{points_a, points_b, edges_b}, found.edge_edge);
+}
+
+// Kernels::find_close_elements.
+
+LIMBER_KERNEL void find_close_elements(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
+                                       const PruneLimits& pruning, OwnedElements owned_by_a, OwnedElements owned_by_b,
+                                       const SelfPair* self, ElementCandidates& found) {
+  LIMBER_ASSERT(!pruning.has_direction);
+  found.vertex_face.count = found.face_vertex.count = found.edge_edge.count = 0;
+  const ProjectedLeaves pair = self != nullptr ? project_leaves<true>(a, b, transform, pruning)
+                                               : project_leaves<false>(a, b, transform, pruning);
+  LeafCorners ca[1], cb[1];
+  unpack(*a.triangles, pair.step_a, ca[0]);
+  if (self != nullptr) {
+    unpack(*b.triangles, pair.step_b, cb[0]);
+    shift_corners(cb[0], pair.offset, cb[0]);
+  } else {
+    unpack(*b.triangles, pair.step_b, transform, pair.offset, cb[0]);
+  }
+  find_elements(ca, cb, pair.prune_distance + pair.error, owned_by_a, owned_by_b, self, found);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 
 #include "base/check.h"
 #include "kernels/find_candidates-inl.h"
-#include "kernels/pair_list-inl.h"
+#include "kernels/separated_neighbors-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 

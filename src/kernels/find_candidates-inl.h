@@ -24,8 +24,6 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "kernels/leaf_support-inl.h"
-#include "kernels/pair_list-inl.h"
 #include "kernels/project-inl.h"
 #include "kernels/separated_neighbors-inl.h"
 #include "simd/kernels.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Kernels::merge_bounds.
+// Kernels::merge_bounds, and small kernels of boxes and points.
 
 #if defined(LIMBER_SIMD_MERGE_BOUNDS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_MERGE_BOUNDS_INL_H
@@ -11,12 +11,19 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 
+#include "base/check.h"
 #include "base/error_bounds.h"
-#include "kernels/slab_normal-inl.h"
-#include "kernels/slab_sphere-inl.h"
+#include "kernels/fit_leaves-inl.h"
+#include "kernels/project-inl.h"
+#include "layout/node.h"
+#include "limber/math.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
@@ -122,6 +129,146 @@ LIMBER_KERNEL bvh::MergedBounds merge_bounds(const bvh::Node& node) {
   bvh::ChildBounds repeated;
   std::memcpy(&repeated, rows, sizeof(rows));
   return merge_all(repeated);
+}
+
+// Kernels::extend_box.
+
+LIMBER_KERNEL void extend_box(const float* points, std::size_t count, PointBox& box) {
+  std::size_t i = 0;
+  if (count >= Packet::lanes) {
+    Packet3 low = load_points3(points), high = low;
+    for (i = Packet::lanes; i + Packet::lanes <= count; i += Packet::lanes) {
+      const Packet3 some = load_points3(points + 4 * i);
+      low = min3(low, some), high = max3(high, some);
+    }
+    box.low[0] = std::min(box.low[0], -largest(zero() - low.x)), box.high[0] = std::max(box.high[0], largest(high.x));
+    box.low[1] = std::min(box.low[1], -largest(zero() - low.y)), box.high[1] = std::max(box.high[1], largest(high.y));
+    box.low[2] = std::min(box.low[2], -largest(zero() - low.z)), box.high[2] = std::max(box.high[2], largest(high.z));
+  }
+  for (; i < count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      box.low[axis] = std::min(box.low[axis], points[4 * i + axis]);
+      box.high[axis] = std::max(box.high[axis], points[4 * i + axis]);
+    }
+  }
+}
+
+// Kernels::overlapping_boxes, Kernels::overlapping_pairs.
+
+/// A box, each number of it in all SIMD lanes.
+struct WideBox {
+  Triple<Doubles> low, high;
+
+  LIMBER_KERNEL WideBox(const Vec3& from, const Vec3& to)
+      : low{Doubles::set(from.x), Doubles::set(from.y), Doubles::set(from.z)},
+        high{Doubles::set(to.x), Doubles::set(to.y), Doubles::set(to.z)} {}
+};
+
+LIMBER_KERNEL unsigned overlapping(const bvh::BoxNode& boxes, const WideBox& box) {
+  unsigned found = 0;
+  for (std::uint32_t i = 0; i < width; i += Doubles::lanes) {
+    const auto along = [&](std::size_t axis, Doubles low, Doubles high) {
+      return (Doubles::load(boxes.low[axis] + i) <= high) & (low <= Doubles::load(boxes.high[axis] + i));
+    };
+    const DoublesMask along_x = along(0, box.low.x, box.high.x), along_y = along(1, box.low.y, box.high.y);
+    found |= bits(along_x & along_y & along(2, box.low.z, box.high.z)) << i;
+  }
+  return found;
+}
+
+LIMBER_KERNEL unsigned overlapping_boxes(const bvh::BoxNode& boxes, const Vec3& low, const Vec3& high) {
+  return overlapping(boxes, WideBox(low, high));
+}
+
+LIMBER_KERNEL std::uint64_t overlapping_pairs(const bvh::BoxNode& a, const bvh::BoxNode& b, const Box& around_b,
+                                              double margin) {
+  const Vec3 by{margin, margin, margin};
+  std::uint64_t found = 0;
+  for (unsigned slots = overlapping(a, WideBox(around_b.low - by, around_b.high + by)); slots != 0;
+       slots &= slots - 1) {
+    const int k = std::countr_zero(slots);
+    const Vec3 low{a.low[0][k], a.low[1][k], a.low[2][k]}, high{a.high[0][k], a.high[1][k], a.high[2][k]};
+    found |= std::uint64_t{overlapping(b, WideBox(low - by, high + by))} << (k * 8);
+  }
+  return found;
+}
+
+// Kernels::least_of_few.
+
+// Counts how many are less than each, without any branch on numbers. Of two packets at once, and of numbers with even
+// and odd index apart: additions that need not wait for each other.
+LIMBER_KERNEL FewLeast least_of_few(const float* points, std::size_t axis, std::size_t count, std::size_t n) {
+  LIMBER_ASSERT(0 < n && n <= count && count <= few_points);
+  constexpr std::size_t at_once = std::size_t{2} * Packet::lanes;
+  static_assert(few_points == 64 && few_points % at_once == 0);
+  alignas(32) float numbers[few_points];
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = points[4 * i + axis];
+  const std::size_t end = (count + at_once - 1) / at_once * at_once;
+  // Padding. Where most numbers are infinite it may be among the least, so it is left out below.
+  for (std::size_t i = count; i < end; ++i) numbers[i] = std::numeric_limits<float>::infinity();
+  const Packet one = Packet::set(1), wanted = Packet::set(static_cast<float>(n));
+  alignas(32) float less[few_points];
+  Packet most = zero();  // that are less than one of the least
+  FewLeast found{0, 0};
+  for (std::size_t i = 0; i < end; i += at_once) {
+    const Packet x = Packet::load(numbers + i), y = Packet::load(numbers + i + Packet::lanes);
+    Packet less_x = zero(), less_y = zero(), odd_x = zero(), odd_y = zero();
+    for (std::size_t k = 0; k < end; k += 2) {
+      const Packet even = Packet::set(numbers[k]), odd = Packet::set(numbers[k + 1]);
+      less_x = less_x + select(even < x, one, zero()), less_y = less_y + select(even < y, one, zero());
+      odd_x = odd_x + select(odd < x, one, zero()), odd_y = odd_y + select(odd < y, one, zero());
+    }
+    less_x = less_x + odd_x, less_y = less_y + odd_y;
+    less_x.store(less + i), less_y.store(less + i + Packet::lanes);
+    const Mask least_x = less_x < wanted, least_y = less_y < wanted;
+    most = max(most, max(select(least_x, less_x, zero()), select(least_y, less_y, zero())));
+    found.least |= std::uint64_t{bits(least_x)} << i | std::uint64_t{bits(least_y)} << (i + Packet::lanes);
+  }
+  const Packet of_greatest = Packet::set(largest(most));
+  for (std::size_t i = 0; i < end; i += Packet::lanes) {
+    found.greatest |= std::uint64_t{bits(Packet::load(less + i) >= of_greatest)} << i;
+  }
+  const std::uint64_t used = ~std::uint64_t{0} >> (few_points - count);
+  found.least &= used;
+  found.greatest &= found.least;
+  return found;
+}
+
+LIMBER_KERNEL BoxRow join_rows(const BoxRow* rows, std::uint64_t which) {
+  BoxRow joined;
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    Packet least = Packet::load(rows[std::countr_zero(which)].least + i);
+    for (std::uint64_t rest = which & (which - 1); rest != 0; rest &= rest - 1) {
+      least = min(least, Packet::load(rows[std::countr_zero(rest)].least + i));
+    }
+    least.store(joined.least + i);
+  }
+  return joined;
+}
+
+// Kernels::max_displacement.
+
+LIMBER_KERNEL Displacement max_displacement(const Vec3* from, const Vec3* to, std::size_t count, double most) {
+  const Doubles limit = Doubles::set(most);
+  Doubles farthest_sq = Doubles::set(0);
+  DoublesMask is_bounded = limit <= limit;
+  std::size_t i = 0;
+  for (; i + Doubles::lanes <= count; i += Doubles::lanes) {
+    Triple<Doubles> p, q;
+    load_points(&to[i].x, p.x, p.y, p.z);
+    load_points(&from[i].x, q.x, q.y, q.z);
+    is_bounded = is_bounded & (abs(p.x) <= limit) & (abs(p.y) <= limit) & (abs(p.z) <= limit);
+    const Triple<Doubles> d = p - q;
+    farthest_sq = max(farthest_sq, dot(d, d));
+  }
+  if (!all_of(is_bounded)) return {0, false};
+  double rest_sq = largest(farthest_sq);
+  for (; i < count; ++i) {
+    if (!(max_abs(to[i]) <= most) || !is_finite(to[i])) return {0, false};
+    const Vec3 d = to[i] - from[i];
+    rest_sq = std::max(rest_sq, d.x * d.x + d.y * d.y + d.z * d.z);
+  }
+  return {rest_sq, true};
 }
 
 }  // namespace

@@ -1,12 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Brings nodes and leaves of one tree, and points, to the frame and unit in which a kernel compares them. In order:
-// points, bounding volumes, the search direction, pairs of leaves.
-//
-// Float64 finds where a center lies relative to the local origin it is compared at. From there on float32 resolves
-// everything that matters, however far the models are from the world's origin. All errors on the way are added to the
-// bounds here, so that comparisons need not care. Plain loops over four numbers become one instruction each.
+// What kernels share that compare volumes and triangles: how far these extend, and the frame and unit of comparisons.
 
 #if defined(LIMBER_SIMD_PROJECT_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_PROJECT_INL_H
@@ -21,13 +16,41 @@
 
 #include "base/error_bounds.h"
 #include "base/rounding.h"
-#include "kernels/leaf_support-inl.h"
+#include "layout/node.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
 LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
+
+/// Corner `k` of the triangles in the slots `i` and following, in quantization steps.
+LIMBER_KERNEL Packet3 corners(const bvh::QuantizedTriangles& t, int k, std::uint32_t i) {
+  return {Packet::from_int16(t.corner[3 * k] + i), Packet::from_int16(t.corner[3 * k + 1] + i),
+          Packet::from_int16(t.corner[3 * k + 2] + i)};
+}
+
+/// The farthest of the corners of each triangle in direction n, in quantization steps.
+LIMBER_KERNEL Packet farthest_corners(const bvh::QuantizedTriangles& leaf, std::uint32_t i, const Packet3& n) {
+  return max(max(dot(n, corners(leaf, 0, i)), dot(n, corners(leaf, 1, i))), dot(n, corners(leaf, 2, i)));
+}
+
+/// The support of all triangles of a leaf along `normal`, in quantization steps.
+LIMBER_KERNEL float leaf_support(const bvh::QuantizedTriangles& leaf, const float* normal) {
+  const Packet3 n = broadcast(normal);
+  Packet farthest = farthest_corners(leaf, 0, n);
+  for (std::uint32_t i = Packet::lanes; i < width; i += Packet::lanes) {
+    farthest = max(farthest, farthest_corners(leaf, i, n));
+  }
+  return largest(farthest);
+}
+
+// Brings nodes and leaves of one tree, and points, to the frame and unit in which a kernel compares them. In order:
+// points, bounding volumes, the search direction, pairs of leaves.
+//
+// Float64 finds where a center lies relative to the local origin it is compared at. From there on float32 resolves
+// everything that matters, however far the models are from the world's origin. All errors on the way are added to the
+// bounds here, so that comparisons need not care. Plain loops over four numbers become one instruction each.
 
 /// A node in the frame and unit of the node it is compared with, relative to that node's origin. It is enlarged by
 /// rounding errors, and by how far vertices of both models may have moved since their trees were fitted (Tree::slack).
@@ -219,6 +242,132 @@ LIMBER_KERNEL ProjectedLeaves project_leaves(const SlotRef& a, const SlotRef& b,
     p.pruned_support = base::float_down(std::clamp(room, -base::max_units, base::max_units));
   }
   return p;
+}
+
+// A child volume as a sphere cut by a slab, next to a node of the other tree.
+
+/// The centers, half sizes of boxes and slab normals of the children `i` and following.
+LIMBER_KERNEL Packet3 centers(const bvh::ChildBounds& n, std::uint32_t i) {
+  return {Packet::load(n.center_x + i), Packet::load(n.center_y + i), Packet::load(n.center_z + i)};
+}
+LIMBER_KERNEL Packet3 half_sizes(const bvh::ChildBounds& n, std::uint32_t i) {
+  return {Packet::load(n.half_x + i), Packet::load(n.half_y + i), Packet::load(n.half_z + i)};
+}
+LIMBER_KERNEL Packet3 normals(const bvh::ChildBounds& n, std::uint32_t i) {
+  return {Packet::load(n.normal_x + i), Packet::load(n.normal_y + i), Packet::load(n.normal_z + i)};
+}
+
+/// A plane of a slab that cuts a sphere: its height over the sphere's center along the slab's outward normal, negative
+/// where the slab does not contain the center, and the radius of the circle in which it cuts the sphere.
+struct Cap {
+  Packet height, rim;
+};
+
+LIMBER_KERNEL Cap cap(Packet radius, Packet height) {
+  return {height, sqrt(max(radius * radius - height * height, zero()))};
+}
+LIMBER_KERNEL Cap select(Mask which, const Cap& a, const Cap& b) {
+  return {select(which, a.height, b.height), select(which, a.rim, b.rim)};
+}
+
+/// The support of a sphere, less what lies beyond a cut, in a direction at an angle to the cut's outward normal: that
+/// of the sphere where its farthest point remains, that of the rim otherwise. Pre: cosine >= 0.
+LIMBER_KERNEL Packet support(Packet radius, const Cap& c, Packet cosine, Packet sine) {
+  return select(radius * cosine <= c.height, radius, c.height * cosine + c.rim * sine);
+}
+
+/// Squared length of a vector with these components, negative ones counting as none.
+LIMBER_KERNEL Packet gap_sq(Packet along, Packet across) {
+  const Packet u = max(along, zero()), v = max(across, zero());
+  return u * u + v * v;
+}
+
+/// Squared length of a vector with these components, negative ones counting as none.
+LIMBER_KERNEL Packet length_of_gaps_sq(const Packet3& gaps) {
+  const Packet3 g{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
+  return dot(g, g);
+}
+
+/// Children `i` and following of a node, and a projected node.
+struct NodePairs {
+  Packet3 center, half, normal;
+  Packet3 d;  // from the children's centers to that of the projected node
+  Packet radius, distance, d_sq;
+  Packet radius_sum, sphere_gap;  // of both
+  Cap upper, lower;
+};
+
+LIMBER_KERNEL NodePairs pair_up(const bvh::ChildBounds& children, std::uint32_t i, const ProjectedNode& other) {
+  const bvh::ChildBounds& n = children;
+  NodePairs p;
+  p.center = centers(n, i);
+  p.half = half_sizes(n, i);
+  p.normal = normals(n, i);
+  p.radius = Packet::load(n.radius + i);
+  p.upper = cap(p.radius, Packet::load(n.high + i));
+  p.lower = cap(p.radius, zero() - Packet::load(n.low + i));
+  p.d = broadcast(other.center) - p.center;
+  p.d_sq = dot(p.d, p.d);
+  p.distance = sqrt(p.d_sq);
+  p.radius_sum = p.radius + Packet::set(other.radius);
+  p.sphere_gap = p.distance - p.radius_sum;
+  return p;
+}
+
+LIMBER_KERNEL Packet box_support(const Packet3& half, const Packet3& direction) {
+  return abs(direction.x) * half.x + abs(direction.y) * half.y + abs(direction.z) * half.z;
+}
+
+// The closest points of triangles to a point, nearly.
+
+// Replaces smaller divisors: lengths and squares, in quantization steps or in units.
+inline constexpr float shortest_divisor = 0x1p-60F;
+
+/// Triangles (a, b, c) of a packet of slots, relative to a point.
+struct PointTriangles {
+  Packet3 to_corner;       // from the point to a
+  Packet3 edge_b, edge_c;  // from a to b, and from a to c
+};
+
+/// A point of each triangle near the closest one, relative to the query point. Rounding may make it a worse point, but
+/// it stays on the triangle: weights of b and c are never negative; together they are at most 1 (or 1 + 2^-23, by
+/// rounding).
+LIMBER_KERNEL Packet3 nearly_closest(const PointTriangles& t) {
+  const Packet one = Packet::set(1), least = Packet::set(shortest_divisor);
+  const auto clamped = [&](Packet x) { return min(max(x, zero()), one); };
+  const Packet bb = dot(t.edge_b, t.edge_b), bc = dot(t.edge_b, t.edge_c), cc = dot(t.edge_c, t.edge_c);
+  const Packet along_b = zero() - dot(t.to_corner, t.edge_b), along_c = zero() - dot(t.to_corner, t.edge_c);
+  // The closest points of the edges ab and ac, and of bc, which is called the third edge. The point of weights v, w is
+  // x = a + v edge_b + w edge_c. With p the query point, change = (|x - p|^2 - |a - p|^2) / 2 is enough to compare
+  // points, and free of the cancellation of large squares. It is v (bb v / 2 + w bc - along_b) + w (cc w / 2 -
+  // along_c), and negative where x is nearer than a.
+  const Packet half = Packet::set(0.5F);
+  const Packet at_b = clamped(along_b / max(bb, least)), at_c = clamped(along_c / max(cc, least));
+  const Packet third_sq = bb - bc - bc + cc;
+  const Packet third_c = clamped((along_c - along_b + bb - bc) / max(third_sq, least));
+  const Packet third_b = one - third_c;
+  const Packet change_b = at_b * (at_b * half * bb - along_b), change_c = at_c * (at_c * half * cc - along_c);
+  const Packet change_third =
+      third_b * (third_b * half * bb + third_c * bc - along_b) + third_c * (third_c * half * cc - along_c);
+  const Mask c_is_nearer = change_c < change_b;
+  Packet weight_b = select(c_is_nearer, zero(), at_b), weight_c = select(c_is_nearer, at_c, zero());
+  const Mask third_is_nearest = change_third < min(change_b, change_c);
+  weight_b = select(third_is_nearest, third_b, weight_b), weight_c = select(third_is_nearest, third_c, weight_c);
+  // The foot of the point, if it is inside of the triangle: its weights are proportional to the areas opposite corners.
+  const Packet area_b = cc * along_b - bc * along_c, area_c = bb * along_c - bc * along_b;
+  const Packet area = bb * cc - bc * bc, area_a = area - area_b - area_c;
+  const Mask is_inside = (area_a > zero()) & (area_b > zero()) & (area_c > zero());
+  const Packet per_area = one / max(area_a + area_b + area_c, least);
+  weight_b = select(is_inside, area_b * per_area, weight_b), weight_c = select(is_inside, area_c * per_area, weight_c);
+  return t.to_corner + t.edge_b * weight_b + t.edge_c * weight_c;
+}
+
+/// The gap between the point and each triangle along a direction, times the length of `direction`. Negative if the
+/// point's height along the direction is within the interval of the corners' heights.
+LIMBER_KERNEL Packet gap_times_length(const PointTriangles& t, const Packet3& direction) {
+  const Packet height = dot(t.to_corner, direction);
+  const Packet b = dot(t.edge_b, direction), c = dot(t.edge_c, direction);
+  return max(height + min(min(b, c), zero()), zero() - height - max(max(b, c), zero()));
 }
 
 }  // namespace

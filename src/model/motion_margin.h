@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "bvh/dirty_set.h"
+#include "bvh/refit.h"
 #include "bvh/tree.h"
 #include "limber/mesh.h"
 

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "bvh/rebuild.h"
-#include "bvh/tree_cost.h"
 #include "limber/model.h"
 
 namespace limber::model {

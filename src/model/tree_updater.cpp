@@ -14,9 +14,8 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "bvh/costs.h"
 #include "bvh/refit.h"
-#include "bvh/unit.h"
+#include "bvh/tree.h"
 #include "mesh/updates.h"
 
 namespace limber::model {
@@ -164,7 +163,7 @@ void TreeUpdater::check_margin(const Mesh& mesh) {
 }
 
 /// Chooses another unit, from the present positions, if the next refit might write bounds too many units away from the
-/// old ones: float32 could not represent them (bvh/unit.h). Between two refits a vertex moves at most by its
+/// old ones: float32 could not represent them (bvh/tree.h). Between two refits a vertex moves at most by its
 /// displacements since the last commit, plus the slack that it had then.
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
   if (sum_of_displacements_ + tree_.slack <= bvh::units_moved_until_fit * tree_.unit) return;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "bvh/dirty_set.h"
+#include "bvh/refit.h"
 #include "limber/model.h"
 #include "model/motion_margin.h"
 #include "model/rebuild_scheduler.h"

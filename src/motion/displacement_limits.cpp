@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <string>
 
 #include "base/arguments.h"
 #include "base/check.h"
@@ -32,19 +31,16 @@ using base::inward;
 
 /// Displacements are up to 2^200, fractions up to 1.
 void check_numbers(std::span<const double> numbers, std::size_t vertex_count, double most, const char* function) {
-  const auto text = [&](const char* of_fractions, const char* of_displacements) {
-    return std::string(function) + (most == 1 ? ": fractions" : ": displacements") +
-           (most == 1 ? of_fractions : of_displacements);
-  };
-  constexpr const char* one_each = ": there must be one for each vertex";
-  LIMBER_REQUIRE(numbers.size() == vertex_count, text(one_each, one_each).c_str());
-  LIMBER_REQUIRE(std::all_of(numbers.begin(), numbers.end(), [&](double x) { return x >= 0 && x <= most; }),
-                 text(" must be from 0 to 1", " must be from 0 to 2^200").c_str());
+  const bool are_fractions = most == 1;
+  require(numbers.size() == vertex_count, function,
+          are_fractions ? "fractions: there must be one for each vertex"
+                        : "displacements: there must be one for each vertex");
+  require(std::all_of(numbers.begin(), numbers.end(), [&](double x) { return x >= 0 && x <= most; }), function,
+          are_fractions ? "fractions must be from 0 to 1" : "displacements must be from 0 to 2^200");
 }
 
 void check_separation(double separation, const char* function) {
-  LIMBER_REQUIRE(separation >= 0 && separation <= max_coordinate,
-                 (std::string(function) + ": the separation must be from 0 to 2^200").c_str());
+  require(separation >= 0 && separation <= max_coordinate, function, "the separation must be from 0 to 2^200");
 }
 
 /// The largest of the numbers of the vertices that belong to a triangle. The others are in no pair of elements, which

@@ -9,7 +9,7 @@
 // The origin is in the polygon's plane at the roots of one cubic, so the first of them at which the polygon contains it
 // is the answer. If the cubic vanishes at all times, the origin enters the polygon at the start, or through an edge, at
 // a root of a quadratic; or if that vanishes too, at a corner.
-#include "motion/exact_impact.h"
+#include "motion/element_impact.h"
 
 #include <algorithm>
 #include <array>

@@ -8,7 +8,7 @@
 // Polynomials are in Bernstein form, whose coefficients bound them. The vectors u, v and w of MovingElements at a time
 // are off by 8 eps of their largest coordinate, where eps = 2^-53; volumes and areas of them by what the constants say
 // (docs/algorithms/impact.md).
-#include "motion/impact_filter.h"
+#include "motion/element_impact.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,6 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "motion/moving_elements.h"
 
 namespace limber::motion {
 namespace {

@@ -3,16 +3,287 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <vector>
 
-#include "motion/impacts_of_leaves.h"
-#include "motion/moving_bounds.h"
+#include "base/check.h"
+#include "bvh/tree.h"
+#include "limber/distance.h"
+#include "motion/element_impact.h"
+#include "motion/moving_pair.h"
+#include "pair/budget_meter.h"
 #include "pair/pair_walk.h"
-#include "pair/stack_order.h"
+#include "simd/kernels.h"
 
 namespace limber::motion {
+
+/// Slots of two moving trees, or of one.
+struct SlotPair {
+  bvh::SlotId slot[2];
+  double first_time, last_time;  ///< bounds of the times at which the boxes of both meet
+  /// Of a part of a walk: no pair that comes after this part touches before this time.
+  double first_later_time = std::numeric_limits<double>::infinity();
+
+  static SlotPair of(bvh::SlotId a, bvh::SlotId b) { return {{a, b}, 0, 1}; }
+  static SlotPair roots() { return of(bvh::root_slot, bvh::root_slot); }
+  static SlotPair itself(bvh::SlotId slot) { return of(slot, slot); }
+
+  /// Those that may meet first are taken before the others.
+  bool comes_before(const SlotPair& other) const { return first_time < other.first_time; }
+  /// Notes in each of some pairs, the last of which is taken first, when the others may touch: what `from` has become.
+  static void note_later(std::span<SlotPair> pairs, const SlotPair& from) {
+    double first = from.first_later_time;
+    for (SlotPair& pair : pairs) pair.first_later_time = first, first = std::min(first, pair.first_time);
+  }
+};
+
+/// The children of one node of a pair, compared with the other node.
+struct MovingExpansion {
+  SlotPair pair;
+  Side side;
+  std::uint32_t node;
+  unsigned children;  ///< to be compared, a bit mask
+  struct {
+    unsigned all;
+  } kept;  ///< those that may meet the other node while the parents do
+  simd::MeetingTimes times;
+
+  /// For one model: pairs a slot with each later child slot of the same node, which has `count` children.
+  void start_siblings(bvh::SlotId slot, std::uint32_t count) {
+    pair = SlotPair::of(slot, bvh::root_slot);
+    side = Side::b, node = bvh::node_of(slot);
+    children = (1U << count) - (2U << bvh::slot_of(slot));
+  }
+};
+
+/// The bounds of PairWalk for moving models: boxes at both ends of the motion. A collector of the first impact soon
+/// knows a time after which nothing matters. With at_any_pace (ImpactSearch), boxes are those of the whole way.
+template <typename Collector>
+class MovingBounds {
+ public:
+  using Pair = SlotPair;
+  using Expansion = MovingExpansion;
+  static constexpr bool at_any_pace = requires { requires Collector::at_any_pace; };
+
+  MovingBounds(const MovingPair& models, double separation, const Collector& collector, QueryStats& stats)
+      : models_(models), collector_(collector), kernels_(simd::kernels()), separation_(separation), stats_(stats) {}
+
+  /// What matters of the time in which the boxes of a pair meet. At any pace each model has a time of its own, so all
+  /// of it does.
+  simd::MotionLimits limits_of(const SlotPair& pair) const {
+    return {pair.first_time, std::min(pair.last_time, collector_.max_time()), separation_, at_any_pace};
+  }
+
+  bool prunes(const SlotPair& pair, double&) const { return pair.first_time > collector_.max_time(); }
+  bool are_leaves(const SlotPair& pair) const { return is_leaf(Side::a, pair) && is_leaf(Side::b, pair); }
+  std::uint32_t child_count(std::uint32_t node) const { return models_.tree(Side::a).nodes[node].child_count; }
+
+  // One model is compared with itself from the root down: a node with itself becomes its children with each other, and
+  // then each of them with itself.
+  static constexpr bool is_compared_with_itself(bvh::SlotId) { return true; }
+  bool opens_itself(const SlotPair& pair) const { return models_.is_self() && pair.slot[0] == pair.slot[1]; }
+  std::uint32_t opened_by_itself(const SlotPair& pair) const {
+    return bvh::child_of(models_.tree(Side::a), pair.slot[0]);
+  }
+
+  /// Opens the node of larger size, if it can be opened.
+  template <bool raises>
+  pair::Next open(MovingExpansion& e, double&) const {
+    const bool is_a_larger = models_.size_of(Side::a, e.pair.slot[0]) >= models_.size_of(Side::b, e.pair.slot[1]);
+    e.side = is_leaf(Side::b, e.pair) || (!is_leaf(Side::a, e.pair) && is_a_larger) ? Side::a : Side::b;
+    e.node = bvh::child_of(models_.tree(e.side), e.pair.slot[index(e.side)]);
+    e.children = (1U << models_.tree(e.side).nodes[e.node].child_count) - 1;
+    return pair::Next::opened;
+  }
+  void bound_children(MovingExpansion& e, float*) {
+    const Side other = pair::other(e.side);
+    stats_.node_tests += models_.tree(e.side).nodes[e.node].child_count;
+    e.kept.all =
+        e.children & kernels_.find_meeting_children(models_.node(e.side, e.node), box(other, e.pair.slot[index(other)]),
+                                                    limits_of(e.pair), e.times);
+  }
+  SlotPair child_pair(const MovingExpansion& e, std::uint32_t child) const {
+    SlotPair pair = e.pair;
+    pair.slot[index(e.side)] = e.node * bvh::width + child;
+    if (!at_any_pace) pair.first_time = e.times.first[child], pair.last_time = e.times.last[child];
+    return pair;
+  }
+
+ private:
+  bool is_leaf(Side s, const SlotPair& pair) const { return bvh::has_leaf(models_.tree(s), pair.slot[index(s)]); }
+
+  /// The box of a slot; at any pace the one around those of both ends, at both.
+  bvh::MovingBox box(Side s, bvh::SlotId slot) const {
+    bvh::MovingBox box = models_.box(s, slot);
+    for (std::uint32_t axis = 0; at_any_pace && axis < 3; ++axis) {
+      box.low[0][axis] = box.low[1][axis] = std::min(box.low[0][axis], box.low[1][axis]);
+      box.high[0][axis] = box.high[1][axis] = std::max(box.high[0][axis], box.high[1][axis]);
+    }
+    return box;
+  }
+
+  const MovingPair& models_;
+  const Collector& collector_;
+  const simd::Kernels& kernels_;
+  double separation_;
+  QueryStats& stats_;
+};
+
+/// The visitor of PairWalk that offers a collector of ImpactSearch the pairs of elements of two leaves that may touch.
+template <typename Collector>
+class ImpactsOfLeaves {
+ public:
+  ImpactsOfLeaves(const MovingPair& models, const MovingBounds<Collector>& bounds, Collector& collector,
+                  pair::BudgetMeter& meter, QueryStats& stats)
+      : models_(models),
+        bounds_(bounds),
+        collector_(collector),
+        kernels_(simd::kernels()),
+        meter_(meter),
+        stats_(stats) {}
+
+  /// To be asked before every pair: each is a step, also one that is pruned.
+  bool has_to_end() {
+    if (collector_.is_done() || meter_.is_spent(steps_)) return true;
+    ++steps_;
+    return false;
+  }
+  static constexpr void count_step() {}
+  static constexpr bool lowers_cutoff(const SlotPair&, bool) { return false; }
+
+  /// Where a search has ended early: a time before which none of the pairs touches that are left of the leaves that
+  /// were compared last.
+  double first_left_time() const { return first_left_time_; }
+
+  bool compare(const SlotPair& pair, bool, double&) {
+    const MovingLeafOf a = models_.leaf(Side::a, pair.slot[0]), b = models_.leaf(Side::b, pair.slot[1]);
+    if constexpr (at_any_pace) {
+      if (collector_.stays(Side::a, a.leaf) && collector_.stays(Side::b, b.leaf)) return true;
+    }
+    const simd::SelfPair self{a.leaf, b.leaf};
+    const simd::MotionLimits limits = bounds_.limits_of(pair);
+    const auto find = [&](const simd::MotionLimits& piece, simd::ElementCandidates& found) {
+      kernels_.find_impact_candidates(a.moving, b.moving, piece, a.owned, b.owned, models_.is_self() ? &self : nullptr,
+                                      found);
+      return found.vertex_face.count + found.face_vertex.count + found.edge_edge.count;
+    };
+    simd::ElementCandidates found, later;
+    later.vertex_face.count = later.face_vertex.count = later.edge_edge.count = 0;
+    // Directions that keep elements apart at both ends of the time seldom do so where leaves turn far or pass each
+    // other. Those of its middle more often do.
+    if (find(limits, found) >= many_candidates && !at_any_pace && turn_or_pass(a.moving, b.moving, limits)) {
+      const double middle = 0.5 * (limits.begin + limits.end);
+      find({limits.begin, middle, limits.separation}, found), find({middle, limits.end, limits.separation}, later);
+      keep_new(found.vertex_face, later.vertex_face), keep_new(found.face_vertex, later.face_vertex);
+      keep_new(found.edge_edge, later.edge_edge);
+    }
+    for (const simd::ElementCandidates* some : {&found, &later}) {
+      compare(some->vertex_face, pair,
+              [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
+      compare(some->face_vertex, pair,
+              [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
+      compare(some->edge_edge, pair, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
+    }
+    return true;
+  }
+
+ private:
+  static constexpr bool at_any_pace = MovingBounds<Collector>::at_any_pace;
+  // As many take longer to compare than to find again.
+  static constexpr std::uint32_t many_candidates = 16;
+
+  /// Whether two leaves turn by more than about a right angle while the limits say, or pass each other by about their
+  /// size. A guess; no answer depends on it.
+  static bool turn_or_pass(const bvh::MovingLeaf& a, const bvh::MovingLeaf& b, const simd::MotionLimits& limits) {
+    const auto at = [](double time, double start, double end) { return (1 - time) * start + time * end; };
+    double way_sq = 0, size = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double start = b.center[0][axis] - a.center[0][axis], end = b.center[1][axis] - a.center[1][axis];
+      const double way = (limits.end - limits.begin) * (end - start);
+      way_sq += way * way;
+    }
+    for (const bvh::MovingLeaf* leaf : {&a, &b}) {
+      double cosine = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto edge = [&](std::size_t end) {
+          return leaf->unit[end] * double{leaf->corner[end][3 + axis][0] - leaf->corner[end][axis][0]};
+        };
+        const double first = edge(0), last = edge(1);
+        cosine += at(limits.begin, first, last) * at(limits.end, first, last);
+      }
+      if (cosine <= 0) return true;
+      size += std::max(leaf->unit[0], leaf->unit[1]);
+    }
+    return way_sq > size * size;
+  }
+
+  /// Leaves out of a list what another one has.
+  template <typename Candidates>
+  static void keep_new(const Candidates& known, Candidates& list) {
+    std::bitset<(3 * bvh::width) * (3 * bvh::width)> is_known;
+    const auto place = [](simd::ElementCandidate c) { return c.a * 3 * bvh::width + c.b; };
+    for (std::uint32_t i = 0; i < known.count; ++i) is_known.set(place(known.pairs[i]));
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < list.count; ++i) {
+      if (!is_known[place(list.pairs[i])]) list.pairs[count++] = list.pairs[i];
+    }
+    list.count = count;
+  }
+
+  /// Offers candidates of one kind to the collector, without those that certainly do not touch if it asks for that.
+  template <typename Candidates, typename ElementsOf>
+  void compare(const Candidates& candidates, const SlotPair& leaves, const ElementsOf& elements_of) {
+    constexpr std::uint32_t room = simd::MovingPairs::room;
+    const bool excludes = collector_.wants_contacts_only();
+    for (std::uint32_t i = 0; i < candidates.count && leaves.first_time <= collector_.max_time(); i += room) {
+      const std::span<const simd::ElementCandidate> some(candidates.pairs + i, std::min(candidates.count - i, room));
+      stats_.primitive_tests += some.size();  // pairs of elements count as pairs of triangles
+      unsigned left = (1U << some.size()) - 1;
+      if (excludes) left &= ~excluded(some, bounds_.limits_of(leaves), elements_of);
+      for (; left != 0; left &= left - 1) {
+        // Some pairs take milliseconds.
+        if (collector_.is_done() || meter_.cuts_short(steps_)) {
+          first_left_time_ = leaves.first_time;
+          return;
+        }
+        const IdentifiedElements found = elements_of(some[std::countr_zero(left)]);
+        collector_.compare(found.pair, found.elements);
+      }
+    }
+  }
+
+  /// A bit mask of candidates of one kind that certainly do not touch in time.
+  template <typename ElementsOf>
+  unsigned excluded(std::span<const simd::ElementCandidate> candidates, const simd::MotionLimits& limits,
+                    const ElementsOf& elements_of) const {
+    LIMBER_ASSERT(!candidates.empty() && candidates.size() <= simd::MovingPairs::room);
+    simd::MovingPairs pairs;
+    MovingElements::Kind kind{};
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const MovingElements elements = elements_of(candidates[k]).elements;
+      kind = elements.kind;
+      for (std::size_t end = 0; end < bvh::motion_ends; ++end) {
+        const Vectors x = vectors_of(kind, elements.corners[end]);
+        pairs.u[end][k] = x.u, pairs.v[end][k] = x.v, pairs.w[end][k] = x.w;
+      }
+    }
+    return kernels_.exclude_impacts(pairs, kind == MovingElements::Kind::vertex_face, limits);
+  }
+
+  const MovingPair& models_;
+  const MovingBounds<Collector>& bounds_;
+  Collector& collector_;
+  const simd::Kernels& kernels_;
+  pair::BudgetMeter& meter_;
+  QueryStats& stats_;
+  double first_left_time_ = std::numeric_limits<double>::infinity();
+  std::uint64_t steps_ = 0;
+};
 
 /// The walk that offers a collector the pairs of elements of two moving models, or of one, that may touch: depth first,
 /// those that may meet first before the others.

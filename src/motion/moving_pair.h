@@ -6,14 +6,30 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "bvh/tree.h"
-#include "layout/moving_node.h"
+#include "layout/node.h"
 #include "limber/motion.h"
-#include "motion/moving_elements.h"
-#include "motion/moving_model_impl.h"
+#include "motion/element_impact.h"
 #include "pair/placed_pair.h"
 #include "simd/kernels.h"
+
+namespace limber {
+
+struct MovingModel::Impl {
+  const Model* model;
+  const MeshEdges* edges = nullptr;  // of the model when the motion was set
+  Transform start_pose;
+  std::vector<Vec3> start, end;  // positions of all vertices, in the world
+  bvh::MovingTree tree;
+  bool has_motion = false;
+  // Of the model's tree when the motion was set: both are as they were as long as the model has not changed.
+  std::uint64_t build_id = 0;
+  double displacement = 0;
+};
+
+}  // namespace limber
 
 namespace limber::motion {
 
@@ -80,5 +96,11 @@ class MovingPair {
   std::span<const Corners> triangles_[2];
   bool is_self_ = false;
 };
+
+/// The distance of two elements at the start.
+double start_distance(const MovingElements& elements);
+
+/// What state_of() promises.
+ElementState state_at(const MovingPair& models, const IdentifiedElements& found, double time);
 
 }  // namespace limber::motion

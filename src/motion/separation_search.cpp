@@ -8,7 +8,7 @@
 //      separates them at the end;
 //   3. the distance of the vertex from the plane of the face, or of the lines of the edges.
 // The errors of the last two fall with the square of the piece's length.
-#include "motion/separation_search.h"
+#include "motion/element_impact.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,6 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "geometry/primitives.h"
-#include "motion/moving_elements.h"
 
 namespace limber::motion {
 namespace {

@@ -5,20 +5,22 @@
 // collector.
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "base/access.h"
 #include "base/arguments.h"
+#include "base/check.h"
 #include "base/float_environment.h"
 #include "base/span_filler.h"
+#include "geometry/primitives.h"
 #include "limber/contacts.h"
-#include "pair/collectors/all_intersections.h"
-#include "pair/collectors/closest_pairs.h"
-#include "pair/collectors/pairs_within.h"
-#include "pair/collectors/self_pairs.h"
-#include "pair/distance_answer.h"
+#include "limber/elements.h"
+#include "limber/gradients.h"
+#include "pair/collectors/pairs.h"
 #include "pair/parts.h"
-#include "pair/placed_self_intersections.h"
+#include "pair/placed_pair.h"
 #include "pair/search.h"
 
 namespace limber {
@@ -98,6 +100,53 @@ PairOptions pair_options(const ClosestPairsOptions& options) {
   return {.filter = options.filter, .oriented_faces = options.oriented_faces};
 }
 
+/// The pairs of elements that a part of a search has found.
+struct ElementLists {
+  base::ListFiller<VertexFacePair> vertex_face;
+  base::ListFiller<EdgeEdgePair> edge_edge;
+};
+
+/// The two models and the margin of a query for elements.
+template <bool is_self>
+struct ElementSearch {
+  const pair::PlacedPair& placed;
+  const MeshEdges &edges_a, &edges_b;
+  double margin;
+
+  using Collector = pair::ElementsWithin<is_self>;
+  Collector collector(VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge) const {
+    return Collector(placed, edges_a, edges_b, margin, visit_vertex_face, visit_edge_edge);
+  }
+};
+
+template <bool is_self>
+ElementPairCount count_elements_in_parts(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
+                                         EdgeEdgeVisitor visit_edge_edge, const QueryBudget& budget) {
+  using Collector = pair::ElementsWithin<is_self>;
+  ElementPairCount result;
+  const std::vector<ElementLists> parts = pair::search_all_in_parts<Collector, ElementLists>(
+      search.placed, [&](ElementLists& lists) { return search.collector(lists.vertex_face, lists.edge_edge); }, budget,
+      result.stats);
+  result.is_complete = pair::visit_found(parts, visit_vertex_face, result.vertex_face, &ElementLists::vertex_face) &&
+                       pair::visit_found(parts, visit_edge_edge, result.edge_edge, &ElementLists::edge_edge);
+  return result;
+}
+
+template <bool is_self>
+ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
+                                EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
+  if (pair::runs_in_parallel(options)) {
+    return count_elements_in_parts(search, visit_vertex_face, visit_edge_edge, options.budget);
+  }
+  pair::ElementsWithin<is_self> collector = search.collector(visit_vertex_face, visit_edge_edge);
+  ElementPairCount result;
+  pair::BudgetMeter meter(options.budget);
+  result.stopped_by = pair::search_all(search.placed, collector, meter, result.stats);
+  result.vertex_face = collector.vertex_face_count, result.edge_edge = collector.edge_edge_count;
+  result.is_complete = !collector.is_done() && result.stopped_by == StoppedBy::nothing;
+  return result;
+}
+
 }  // namespace
 
 StoppedBy pair::visit_placed_self_intersections(const Placed& model, TrianglePairVisitor visit,
@@ -152,22 +201,25 @@ PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> clo
 CollideResult self_collide(const Model& model, const SelfQueryOptions& options) {
   const base::DefaultFloatEnvironment environment;
   const pair::PlacedPair placed = with_itself(model);
-  pair::AnySelfContact collector(PairsOfOne(model.mesh(), {.filter = options.filter}));
-  CollideResult result;
+  std::optional<Witness> witness;
+  const auto take = [&](const TrianglePair& found) {
+    const Vec3 shared =
+        geometry::shared_point(placed.triangle(pair::Side::a, found.a), placed.triangle(pair::Side::b, found.b));
+    witness = Witness{shared, shared, found.a, found.b};
+    return false;
+  };
+  pair::AllIntersections<PairsOfOne> collector(PairsOfOne(model.mesh(), {.filter = options.filter}), take);
+  QueryStats stats;
   const QueryCache::Impl* const last = options.cache == nullptr ? nullptr : &Access::impl(*options.cache);
   if (pair::has_self_pair(last, placed)) {
-    ++result.stats.primitive_tests;
+    ++stats.primitive_tests;
     collector.compare(pair::placed_triangle(placed, pair::Side::a, last->triangle_a),
                       pair::placed_triangle(placed, pair::Side::b, last->triangle_b));
   }
   pair::BudgetMeter meter(options.budget);
-  if (!collector.is_done()) pair::search_all(placed, collector, meter, result.stats);
-  if (collector.witness) pair::remember(options.cache, *collector.witness);
-  if (!collector.witness) result.stopped_by = meter.stopped_by();
-  const bool is_undecided = result.stopped_by != StoppedBy::nothing;
-  result.answer = collector.witness ? Answer::yes : is_undecided ? Answer::undecided : Answer::no;
-  result.witness = collector.witness;
-  return result;
+  if (!collector.is_done()) pair::search_all(placed, collector, meter, stats);
+  if (witness) pair::remember(options.cache, *witness);
+  return pair::answer_of(witness, meter.stopped_by(), stats);
 }
 
 DistanceResult self_distance(const Model& model, const SelfDistanceOptions& options) {
@@ -210,6 +262,52 @@ PairCount self_closest_pairs(const Model& model, std::span<Contact> closest, con
   const base::DefaultFloatEnvironment environment;
   base::check_limit(options.max_distance, "limber::self_closest_pairs");
   return closest_pairs(with_itself(model), PairsOfOne(model.mesh(), pair_options(options)), closest, options);
+}
+
+TriangleContact contact_of(const Placed& a, const Placed& b, const Witness& witness) {
+  using pair::Side;
+  const base::DefaultFloatEnvironment environment;
+  const pair::PlacedPair placed(a, b);
+  LIMBER_REQUIRE(placed.has_triangle(Side::a, witness.triangle_a), "limber::contact_of: a has no such triangle");
+  LIMBER_REQUIRE(placed.has_triangle(Side::b, witness.triangle_b), "limber::contact_of: b has no such triangle");
+  const TriangleContact contact = geometry::contact(placed.triangle(Side::a, witness.triangle_a),
+                                                    placed.triangle(Side::b, witness.triangle_b), OrientedFaces::none);
+  return environment.computed_before_restore(pair::Radii(a, b).contact(contact));
+}
+
+ElementPairCount visit_element_pairs(const Placed& a, const Placed& b, double margin,
+                                     VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge,
+                                     const ElementPairOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::visit_element_pairs");
+  for (const Placed& body : {a, b}) base::check_has_no_radius(body, "limber::visit_element_pairs");
+  const pair::PlacedPair placed(a, b);
+  const ElementSearch<false> search{placed, a.model().edges(), b.model().edges(), margin};
+  return count_elements(search, visit_vertex_face, visit_edge_edge, options);
+}
+
+ElementPairCount element_pairs(const Placed& a, const Placed& b, double margin, std::span<VertexFacePair> vertex_face,
+                               std::span<EdgeEdgePair> edge_edge, const ElementPairOptions& options) {
+  base::SpanFiller<VertexFacePair> fill_vertex_face(vertex_face);
+  base::SpanFiller<EdgeEdgePair> fill_edge_edge(edge_edge);
+  return visit_element_pairs(a, b, margin, fill_vertex_face, fill_edge_edge, options);
+}
+
+ElementPairCount visit_self_element_pairs(const Model& model, double margin, VertexFaceVisitor visit_vertex_face,
+                                          EdgeEdgeVisitor visit_edge_edge, const ElementPairOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_margin(margin, "limber::visit_self_element_pairs");
+  const pair::PlacedPair placed = with_itself(model);
+  const MeshEdges& edges = model.edges();
+  const ElementSearch<true> search{placed, edges, edges, margin};
+  return count_elements(search, visit_vertex_face, visit_edge_edge, options);
+}
+
+ElementPairCount self_element_pairs(const Model& model, double margin, std::span<VertexFacePair> vertex_face,
+                                    std::span<EdgeEdgePair> edge_edge, const ElementPairOptions& options) {
+  base::SpanFiller<VertexFacePair> fill_vertex_face(vertex_face);
+  base::SpanFiller<EdgeEdgePair> fill_edge_edge(edge_edge);
+  return visit_self_element_pairs(model, margin, fill_vertex_face, fill_edge_edge, options);
 }
 
 }  // namespace limber

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pair/likely_pair.h"
+#include "pair/traversal_state.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "bvh/slot_stack.h"
+#include "bvh/tree.h"
 #include "limber/distance.h"
 #include "simd/kernels.h"
 

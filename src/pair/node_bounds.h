@@ -7,15 +7,25 @@
 #include <cstdint>
 
 #include "base/check.h"
+#include "limber/distance.h"
+#include "pair/budget_meter.h"
 #include "pair/collectors/collector.h"
-#include "pair/common_vertices.h"
 #include "pair/node_pair.h"
 #include "pair/pair_walk.h"
-#include "pair/search_context.h"
-#include "pair/squared_limits.h"
+#include "pair/placed_pair.h"
+#include "pair/pruning.h"
 #include "simd/kernels.h"
 
 namespace limber::pair {
+
+/// What all parts of one search work on, whatever is looked for.
+struct Search {
+  const PlacedPair& placed;
+  Frames& frames;
+  Pruning& pruning;
+  BudgetMeter& meter;
+  QueryStats& stats;
+};
 
 /// The bounds of PairWalk for models that stand still: boxes, slabs and spheres of nodes, and the search direction. All
 /// rules by which pairs of nodes are pruned, and by which one of two nodes is opened, are in this file. The limits are
@@ -32,16 +42,11 @@ class NodeBounds {
 
   const bvh::Tree& tree(Side s) const { return search_.placed.tree(s); }
 
-  /// Whether a slot is not expanded: it has a leaf, or all triangles below it coincide, so that any leaf below stands
-  /// for it and no bound could tell them apart. With a motion margin, vertices may have moved since they coincided.
+  /// Whether a slot is not expanded: it has a leaf, or triangles below it coincide, so that no bound tells them apart.
   [[gnu::always_inline]] bool is_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
-    const bvh::Tree& tree = search_.placed.tree(s);
-    if constexpr (tells_coincident_apart) {
-      return bvh::has_leaf(tree, slot);
-    } else {
-      return bvh::has_leaf(tree, slot) || (bvh::is_coincident(tree, slot) && tree.slack == 0);
-    }
+    if constexpr (tells_coincident_apart) return bvh::has_leaf(tree(s), slot);
+    return bvh::has_leaf_or_coincides(tree(s), slot);
   }
   bool are_leaves(const NodePair& pair) const { return is_leaf(Side::a, pair) && is_leaf(Side::b, pair); }
 

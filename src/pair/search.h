@@ -4,21 +4,62 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "base/access.h"
 #include "base/check.h"
+#include "base/span_filler.h"
+#include "geometry/local_frame.h"
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/all_pairs.h"
 #include "pair/best_first.h"
+#include "pair/collectors/collector.h"
+#include "pair/node_bounds.h"
 #include "pair/parts.h"
+#include "pair/placed_pair.h"
+#include "pair/pruning.h"
 #include "pair/query_cache_impl.h"
-#include "pair/search_by_point.h"
-#include "pair/search_context.h"
+#include "point/closest_point.h"
+#include "point/placed_model.h"
 
 namespace limber::pair {
+
+/// The side of which a model is a single point, as the core of a sphere is; b if both are.
+inline std::optional<Side> side_of_point(const PlacedPair& placed) {
+  for (const Side s : {Side::b, Side::a}) {
+    if (placed.is_triangle(s) && geometry::is_point(placed.local_triangle(s, 0))) return s;
+  }
+  return std::nullopt;
+}
+
+/// Offers a collector of the closest pair the point that a model is, with each triangle of the other model that may be
+/// closest to it. They are found as closest points are, but compared as all pairs are. So the answer is that of all
+/// pairs, to the bit, and everything that is not compared is at least the cutoff apart, unless the collector is done.
+template <typename Collector>
+void search_by_point(const PlacedPair& placed, Side of_point, Collector& collector, Pruning& pruning,
+                     QueryStats& stats) {
+  const PlacedTriangle point = placed_triangle(placed, of_point, 0);
+  LIMBER_ASSERT(geometry::is_point(point.corners));
+  const Side side = other(of_point);
+  const point::PlacedModel model(placed.tree(side), placed.mesh(side), placed.pose(side));
+  point::NearestTriangles nearest(model);
+  nearest.start(point.corners.v0, pruning.cutoff(), collector.close_enough());
+  for (auto found = nearest.next(stats); !found.empty(); found = nearest.next(stats)) {
+    for (const point::NearestTriangles::Candidate& candidate : found) {
+      if (!nearest.matters(candidate)) continue;
+      ++stats.primitive_tests;
+      const PlacedTriangle triangle{candidate.id(), placed.triangle(side, candidate.vertices())};
+      const auto update = side == Side::a ? collector.compare(triangle, point) : collector.compare(point, triangle);
+      if (collector.is_done()) return;
+      if (!update) continue;
+      pruning.update(*update);
+      nearest.lower_limit(pruning.cutoff());
+    }
+  }
+}
 
 // How a search for the best goes. Each arrow is one call; every leaf is an answer.
 //
@@ -280,8 +321,8 @@ PairCount visit_all(const PlacedPair& placed, const Make& make_collector, Functi
   PairCount result;
   if (runs_in_parallel(options)) {
     using List = base::ListFiller<Pair>;
-    visit_found(search_all_in_parts<Collector, List>(placed, make_collector, options.budget, result.stats), visit,
-                result);
+    const auto found = search_all_in_parts<Collector, List>(placed, make_collector, options.budget, result.stats);
+    result.is_complete = visit_found(found, visit, result.count);
     return result;
   }
   Collector collector = make_collector(visit);
@@ -297,6 +338,46 @@ inline void remember(QueryCache* cache, const Witness& witness) {
   if (cache == nullptr) return;
   Access::impl(*cache).triangle_a = witness.triangle_a;
   Access::impl(*cache).triangle_b = witness.triangle_b;
+}
+
+/// The answer of a search that has stopped with this witness, or with none.
+inline CollideResult answer_of(const std::optional<Witness>& witness, StoppedBy stopped_by, const QueryStats& stats) {
+  if (witness) return {Answer::yes, witness, StoppedBy::nothing, stats};
+  return {stopped_by == StoppedBy::nothing ? Answer::no : Answer::undecided, std::nullopt, stopped_by, stats};
+}
+
+inline DistanceStatus status_of(const DistanceResult& result) {
+  if (result.upper == 0) return DistanceStatus::collision;
+  if (result.stopped_by != StoppedBy::nothing) return DistanceStatus::interrupted;
+  return result.lower == result.upper ? DistanceStatus::exact : DistanceStatus::within_error;
+}
+
+/// Whether an interval is as narrow as the errors allow. One that begins at 0 is not, whatever the errors: it leaves
+/// open whether the models meet.
+inline bool is_narrow_enough(const DistanceResult& result, const DistanceOptions& options) {
+  if (result.lower == 0 && result.upper > 0) return false;
+  return result.upper / (1 + options.relative_error) <= result.lower ||
+         result.upper - result.lower <= options.absolute_error;
+}
+
+/// Writes what a search for the closest pair of the cores has found. A budget may be spent just when the errors are
+/// met; then the query has its answer.
+inline void set_answer(DistanceResult& result, const ClosestPair& collector, const Unsearched& unsearched,
+                       const DistanceOptions& options, const Radii& radii = {0, 0}) {
+  result.stopped_by = unsearched.stopped_by;
+  const bool is_beyond = !collector.witness || radii.distance(collector.upper) > options.max_distance;
+  if (is_beyond && unsearched.stopped_by == StoppedBy::nothing) {
+    result.upper = std::numeric_limits<double>::infinity();
+    result.lower = options.max_distance;
+    result.status = DistanceStatus::beyond_limit;
+    return;
+  }
+  result.upper = radii.distance(collector.upper);
+  result.lower = radii.distance(std::min(collector.upper, unsearched.distance));
+  result.witness = collector.witness;
+  if (result.witness) radii.move_points(*result.witness, collector.upper);
+  if (result.upper <= options.max_distance && is_narrow_enough(result, options)) result.stopped_by = StoppedBy::nothing;
+  result.status = status_of(result);
 }
 
 }  // namespace limber::pair

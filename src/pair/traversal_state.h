@@ -3,18 +3,45 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "base/check.h"
+#include "bvh/tree.h"
+#include "limber/contacts.h"
 #include "limber/distance.h"
-#include "pair/bucket_queue.h"
-#include "pair/likely_pair.h"
+#include "pair/collectors/collector.h"
+#include "pair/node_pair.h"
 #include "pair/placed_pair.h"
+#include "pair/pruning.h"
 
 namespace limber::pair {
+
+// A guess of the closest pair where one model lies or moves over a flat part of the other, a floor, a wall, the top of
+// a table: the vertex nearest to the plane of that part, and the triangle at its foot in the plane. Below, the model
+// with the flat part is the ground, and the other one is above it.
+
+/// A part of a model that is flat for as far as the other one reaches.
+struct FlatPart {
+  Side side;      ///< the ground: the model that has this part
+  Vec3 center;    ///< in the world
+  Vec3 normal;    ///< towards the other model, in the world
+  double radius;  ///< of the bounding sphere of the other model
+  double room;  ///< from the part to the bounding volume of the other model, along the normal; negative if they overlap
+};
+
+/// The largest flat part of the larger model: its slot, `near_a` or `near_b`, or one above that slot. None if the slot
+/// itself is not flat, or if all flat ones are smaller than the other model.
+std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, bvh::SlotId near_b);
+
+/// A pair of triangles that is likely to be the closest: a triangle of the other model at the vertex that comes nearest
+/// to the plane of a flat part, and one at the foot of that vertex. None if the vertex is beyond the plane.
+///
+/// Both searches end after a fixed number of nodes, so neither triangle need be exactly the one described.
+std::optional<TrianglePair> likely_pair(const PlacedPair& placed, const FlatPart& part, QueryStats& stats);
 
 /// Decides when a traversal descends: goes straight down to two leaves, always to the nearest child, instead of taking
 /// the nearest pair of all.
@@ -138,6 +165,93 @@ struct TraversalState {
     steps = work = 0;
     descents = {}, whole_leaves = {}, seed = {};
   }
+};
+
+/// The order of PairWalk that goes best first: with the queue of a TraversalState. Pairs whose volumes overlap are
+/// taken first, the deepest overlap on top of a stack; then the nearest, by buckets (BucketQueue). In a descent the
+/// nearest child comes next.
+template <Hits hits>
+class BucketOrder {
+ public:
+  // A collector of any hit gains nothing from a smaller distance that is still above its cutoff.
+  static constexpr bool raises = hits != Hits::any;
+
+  /// Refers to all arguments.
+  BucketOrder(TraversalState& state, SquaredLimits& limits, const Pruning& pruning)
+      : state_(state), limits_(limits), pruning_(pruning) {}
+
+  bool empty() const { return state_.queue.empty(); }
+  NodePair take() {
+    follow_cutoff();
+    return state_.queue.pop();
+  }
+
+  /// Updates the squared limits. When the range of bounds that matter has halved, spreads the buckets of the queue over
+  /// what is left of it: from TraversalState::least_sq to focus_sq.
+  void follow_cutoff() {
+    if (!limits_.update(pruning_.distance())) return;
+    const float limit_sq = limits_.of_pairs();
+    if (limit_sq - state_.least_sq > worth_refocusing * (state_.focus_sq - state_.least_sq)) return;
+    state_.focus_sq = limit_sq;
+    state_.queue.focus(state_.least_sq, state_.focus_sq);
+  }
+
+  void add_first(const NodePair& pair) { state_.queue.push_first(pair); }
+  void add_itself(const NodePair& pair) { state_.queue.push_first(pair); }
+  /// Queues a pair whose bound has been raised, but in a descent, which goes on with it.
+  bool takes_raised(const NodePair& pair) {
+    if (state_.descents.is_descending()) return false;
+    state_.queue.push(pair);
+    return true;
+  }
+  template <typename Bounds>
+  void add(const Expansion& e, const Bounds& bounds) {
+    add(e, bounds, state_.descents.is_descending());
+  }
+  /// Queues the children that were kept: those that overlap on the stack, the deepest on top, the others in the
+  /// buckets.
+  template <typename Bounds>
+  void add(const Expansion& e, const Bounds& bounds, bool descends) {
+    if (e.kept.all == 0) return;
+    unsigned overlapping = e.kept.overlapping;
+    if (overlapping == 0 && descends && raises) return push_nearest_first(e, bounds);
+    push(e, bounds, e.kept.all & ~overlapping);
+    // The deepest overlap last, so that it is taken first.
+    while (overlapping != 0) {
+      const std::uint32_t shallowest = e.last_of(overlapping);
+      overlapping &= ~(1U << shallowest);
+      state_.queue.push_first(bounds.child_pair(e, shallowest));
+    }
+  }
+
+  /// A pair has been pruned: so will be all others if none is nearer than the limit.
+  void drop_pruned() {
+    if (!state_.queue.empty() && state_.queue.all_beyond(limits_.of_pairs())) state_.queue.clear();
+  }
+
+ private:
+  // The queue is sorted anew when the range of bounds that matter has shrunk to this part of what it was when the queue
+  // was last sorted.
+  static constexpr float worth_refocusing = 0.5F;
+
+  /// Queues the nearest child as the next pair. Not inlined: shorter queries should not pay for it.
+  template <typename Bounds>
+  [[gnu::noinline]] void push_nearest_first(const Expansion& e, const Bounds& bounds) {
+    const std::uint32_t nearest = e.first_of(e.kept.all);
+    push(e, bounds, e.kept.all & ~(1U << nearest));
+    state_.queue.push_first(bounds.child_pair(e, nearest));
+  }
+
+  template <typename Bounds>
+  void push(const Expansion& e, const Bounds& bounds, unsigned children) {
+    for (; children != 0; children &= children - 1) {
+      state_.queue.push(bounds.child_pair(e, static_cast<std::uint32_t>(std::countr_zero(children))));
+    }
+  }
+
+  TraversalState& state_;
+  SquaredLimits& limits_;
+  const Pruning& pruning_;
 };
 
 }  // namespace limber::pair

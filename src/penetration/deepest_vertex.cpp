@@ -9,13 +9,28 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "bvh/reach.h"
-#include "bvh/root_bounds.h"
+#include "bvh/tree.h"
 #include "geometry/local_frame.h"
-#include "penetration/way_out.h"
-#include "point/ray_crossings.h"
+#include "point/placed_model.h"
 
 namespace limber::penetration {
+
+Vec3 way_out(const point::PlacedModel& solid, const Vec3& position, const SurfacePoint& closest) {
+  LIMBER_ASSERT(closest.triangle < solid.mesh().triangles.size());
+  // Closest points are off by 2^-50 of the extent, so directions between points that are farther apart than this part
+  // of it are off by less than 2^-23.
+  constexpr double hardly_apart = 0x1p-26;
+  const Triangle t = solid.triangle(solid.mesh().triangles[closest.triangle]);
+  const Vec3 edge = t.v1 - t.v0, other = t.v2 - t.v0, out = closest.position - position;
+  const double extent = std::max({max_abs(t.v0 - position), max_abs(t.v1 - position), max_abs(t.v2 - position)});
+  if (max_abs(out) > hardly_apart * extent) return unit(out);
+  if (max_abs(edge) > 0 && max_abs(other) > 0) {
+    const Vec3 normal = cross(geometry::near_unit(edge), geometry::near_unit(other));
+    if (max_abs(normal) > 0) return unit(normal);
+  }
+  return max_abs(out) > 0 ? unit(out) : Vec3{0, 0, 1};
+}
+
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -124,6 +139,40 @@ void DeepestVertexSearch::compare(VertexId v, const Vec3& position, double farth
   LIMBER_ASSERT(closest.has_value());
   if (best_ && (closest->distance < best_->depth || (closest->distance == best_->depth && v > best_->vertex))) return;
   best_ = DeepestVertex{v, closest->distance, position, *closest, way_out(solid_, position, *closest)};
+}
+
+CommonBallsSearch::CommonBallsSearch(const point::PlacedModel& a, const point::PlacedModel& b)
+    : a_(a), b_(b), closest_a_(a), closest_b_(b) {}
+
+std::optional<CommonBalls> CommonBallsSearch::at(const Vec3& point, pair::Meter& meter) {
+  for (const point::PlacedModel* model : {&a_, &b_}) {
+    if (!point::surrounding_of(*model, point, meter.stats).is_inside_or_on()) return std::nullopt;
+  }
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const std::optional<SurfacePoint> a = closest_a_.find(point, infinity, meter.stats);
+  const std::optional<SurfacePoint> b = closest_b_.find(point, infinity, meter.stats);
+  LIMBER_ASSERT(a && b);
+  return CommonBalls{point, a->distance + b->distance, way_out(a_, point, *a), way_out(b_, point, *b)};
+}
+
+void CommonBallsSearch::climb(const Vec3& start, double reach, pair::Meter& meter) {
+  if (meter.is_spent()) return;
+  std::optional<CommonBalls> here = at(start, meter);
+  if (!here) return;
+  // A step makes the radii larger by twice its length at most. Shorter ones than these gain too little.
+  constexpr double least_step = 0x1p-8, least_part_of_reach = 0x1p-16;
+  double step = std::min(reach, std::max(here->radii, 0.125 * reach));
+  while (step > std::max(least_step * here->radii, least_part_of_reach * reach) && !meter.is_spent()) {
+    const Vec3 uphill = -(here->out_a + here->out_b);
+    if (length_sq(uphill) < least_step * least_step) break;
+    const std::optional<CommonBalls> next = at(here->center + step * unit(uphill), meter);
+    if (next && next->radii > here->radii + 0.125 * step) {
+      here = next;
+    } else {
+      step *= 0.5;
+    }
+  }
+  if (!best_ || here->radii > best_->radii) best_ = here;
 }
 
 }  // namespace limber::penetration

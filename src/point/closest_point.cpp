@@ -5,17 +5,27 @@
 // so that their vertices are fetched from memory meanwhile, and compared when there are enough. For points so far away
 // that float32 cannot tell distances apart, kernels compare heights along the direction to the point ("along") instead.
 #include "point/closest_point.h"
-#include "limber/distance.h"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <numbers>
 
+#include "base/access.h"
+#include "base/arguments.h"
 #include "base/check.h"
 #include "base/error_bounds.h"
+#include "base/float_environment.h"
+#include "base/parallel.h"
 #include "base/rounding.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
+#include "geometry/winding.h"
+#include "limber/distance.h"
+#include "limber/points.h"
+#include "mesh/adjacency.h"
+#include "model/model_impl.h"
+#include "point/placed_model.h"
 
 namespace limber::point {
 namespace {
@@ -130,3 +140,131 @@ void ClosestPointSearch::compare(const NearestTriangles::Candidate& candidate, c
 }
 
 }  // namespace limber::point
+
+// The public queries about points: each checks its arguments, and searches.
+namespace limber {
+
+PointResult closest_point(const Placed& model, const Vec3& point, const PointOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::closest_point");
+  base::check_point(point, "limber::closest_point");
+  base::check_has_no_radius(model, "limber::closest_point");
+  const point::PlacedModel placed(model);
+  point::ClosestPointSearch search(placed);
+  PointResult result;
+  result.closest = search.find(point, options.max_distance, result.stats);
+  return result;
+}
+
+void closest_point_many(const Placed& model, std::span<const Vec3> points, std::span<PointResult> results,
+                        const PointOptions& options) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::closest_point_many");
+  base::check_points(points, results.size(), "limber::closest_point_many");
+  base::check_has_no_radius(model, "limber::closest_point_many");
+  const point::PlacedModel placed(model);
+  base::parallel_for_ranges(points.size(), point::points_per_task, [&](std::size_t begin, std::size_t end) {
+    point::ClosestPointSearch search(placed);
+    for (std::size_t i = begin; i < end; ++i) {
+      results[i].stats = {};
+      results[i].closest = search.find(points[i], options.max_distance, results[i].stats);
+    }
+  });
+}
+
+}  // namespace limber
+
+// ClosedSurface.
+namespace limber {
+namespace {
+
+SignedDistance signed_distance_of(const point::PlacedModel& placed, point::ClosestPointSearch& search,
+                                  const Vec3& point, double max_distance) {
+  SignedDistance result;
+  result.closest = search.find(point, max_distance, result.stats);
+  const point::Surrounding surrounding = point::surrounding_of(placed, point, result.stats);
+  result.is_inside = surrounding.is_inside_or_on();
+  return result;
+}
+
+}  // namespace
+
+Result<ClosedSurface> ClosedSurface::create(const Model& model) {
+  if (auto closed = mesh::check_closed(model.mesh()); !closed) return closed.error();
+  return ClosedSurface(model);
+}
+
+ClosedSurface::ClosedSurface(const Model& model) : model_(&model), surface_id_(Access::impl(model).surface_id) {}
+
+Placed ClosedSurface::placed(const Transform& world_from_model) const {
+  LIMBER_REQUIRE(model_->is_valid(), "limber::ClosedSurface: the model has been moved from");
+  LIMBER_REQUIRE(Access::impl(*model_).surface_id == surface_id_,
+                 "limber::ClosedSurface: the model has been reset, so whether it is closed must be checked again");
+  return {*model_, world_from_model};
+}
+
+bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
+  return winding_number(point, world_from_model).value_or(1) != 0;
+}
+
+std::optional<int> ClosedSurface::winding_number(const Vec3& point, const Transform& world_from_model) const {
+  const base::DefaultFloatEnvironment environment;
+  base::check_point(point, "limber::ClosedSurface");
+  const point::PlacedModel model(placed(world_from_model));
+  QueryStats stats;
+  const point::Surrounding surrounding = point::surrounding_of(model, point, stats);
+  if (surrounding.is_on) return std::nullopt;
+  return surrounding.winding_number;
+}
+
+SignedDistance ClosedSurface::signed_distance(const Vec3& point, const Transform& world_from_model,
+                                              const PointOptions& options) const {
+  const base::DefaultFloatEnvironment environment;
+  base::check_options(options, "limber::ClosedSurface::signed_distance");
+  base::check_point(point, "limber::ClosedSurface::signed_distance");
+  const point::PlacedModel model(placed(world_from_model));
+  point::ClosestPointSearch search(model);
+  const SignedDistance result = signed_distance_of(model, search, point, options.max_distance);
+  return result;
+}
+
+void ClosedSurface::signed_distance_many(std::span<const Vec3> points, std::span<SignedDistance> results,
+                                         const Transform& world_from_model, const PointOptions& options) const {
+  const base::DefaultFloatEnvironment environment;
+  constexpr const char* name = "limber::ClosedSurface::signed_distance_many";
+  base::check_options(options, name);
+  base::check_points(points, results.size(), name);
+  const point::PlacedModel model(placed(world_from_model));
+  base::parallel_for_ranges(points.size(), point::points_per_task, [&](std::size_t begin, std::size_t end) {
+    point::ClosestPointSearch search(model);
+    for (std::size_t i = begin; i < end; ++i) {
+      results[i] = signed_distance_of(model, search, points[i], options.max_distance);
+    }
+  });
+}
+
+// The generalized winding number, as a sum over all triangles.
+
+double generalized_winding_number(const Placed& model, const Vec3& point) {
+  const base::DefaultFloatEnvironment environment;
+  base::check_point(point, "limber::generalized_winding_number");
+  base::check_has_no_radius(model, "limber::generalized_winding_number");
+  const point::PlacedModel placed(model);
+  const std::span<const Corners> triangles = placed.mesh().triangles;
+  // Sums of ranges that do not depend on threads, added up in their order.
+  constexpr std::size_t most_ranges = 256, least_size = 512;
+  const std::size_t size = std::max(least_size, (triangles.size() + most_ranges - 1) / most_ranges);
+  double sums[most_ranges] = {};
+  base::parallel_for_ranges(triangles.size(), size, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t t = begin; t < end; ++t) {
+      sum += geometry::half_solid_angle(point, placed.triangle(triangles[t]));
+    }
+    sums[begin / size] = sum;
+  });
+  double sum = 0;
+  for (const double part : sums) sum += part;
+  return environment.computed_before_restore(sum * (0.5 * std::numbers::inv_pi));
+}
+
+}  // namespace limber

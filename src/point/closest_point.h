@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 
-#include "bvh/slot_stack.h"
 #include "bvh/tree.h"
 #include "limber/points.h"
 #include "point/placed_model.h"

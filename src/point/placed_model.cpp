@@ -9,9 +9,11 @@
 #include "base/access.h"
 #include "base/error_bounds.h"
 #include "base/rounding.h"
-#include "bvh/root_bounds.h"
+#include "bvh/tree.h"
 #include "geometry/local_frame.h"
 #include "geometry/rigid.h"
+#include "geometry/winding.h"
+#include "limber/distance.h"
 #include "model/model_impl.h"
 
 namespace limber::point {
@@ -112,6 +114,20 @@ std::optional<AxisRay> PlacedModel::ray_along(const Vec3& point, double off, std
     if (std::abs(to_center[k]) > half[k] + in.error) return std::nullopt;
   }
   return ray(point, in, axis, is_upward);
+}
+
+Surrounding surrounding_of(const PlacedModel& model, const Vec3& point, QueryStats& stats) {
+  Surrounding surrounding;
+  ++stats.node_tests;
+  const std::optional<AxisRay> ray = model.ray_from(point);
+  if (!ray) return surrounding;
+  const bool is_off = visit_crossed(model, *ray, stats, [&](const Triangle& triangle) {
+    if (geometry::lies_on(point, triangle)) return false;
+    surrounding.winding_number += geometry::winding_along(point, triangle, ray->axis, ray->is_upward);
+    return true;
+  });
+  if (!is_off) return {.is_on = true};
+  return surrounding;
 }
 
 }  // namespace limber::point

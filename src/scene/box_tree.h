@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "layout/boxes.h"
+#include "layout/node.h"
 #include "limber/base.h"
 #include "scene/world_bounds.h"
 

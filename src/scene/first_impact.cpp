@@ -13,7 +13,7 @@
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "limber/path.h"
-#include "motion/rigid/path_motion.h"
+#include "motion/rigid/moving_distance.h"
 #include "scene/scene_impl.h"
 
 namespace limber {

@@ -3,7 +3,7 @@
 #include "scene/world_bounds.h"
 
 #include "base/access.h"
-#include "bvh/reach.h"
+#include "bvh/tree.h"
 
 namespace limber::scene {
 namespace {

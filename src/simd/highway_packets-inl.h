@@ -21,51 +21,79 @@ namespace limber::simd::HWY_NAMESPACE {
 namespace {
 using bvh::width;
 namespace hn = hwy::HWY_NAMESPACE;
-using Lanes = hn::CappedTag<float, width>;
 
-struct Mask {
-  hn::Mask<Lanes> m;
-};
+/// A vector of at most `most` numbers.
+template <typename T, std::size_t most>
+struct Vector {
+  using Tag = hn::CappedTag<T, most>;
+  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
+  struct Mask {
+    hn::Mask<Tag> m;
 
-/// A vector of at most `width` numbers.
-struct Packet {
-  static constexpr std::uint32_t lanes = hn::MaxLanes(Lanes());
-  hn::Vec<Lanes> v;
+    friend HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
+    friend HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.m, b.m)}; }
+    friend HWY_INLINE Mask operator^(Mask a, Mask b) { return {hn::Xor(a.m, b.m)}; }
+    friend HWY_INLINE unsigned bits(Mask a) {
+      std::uint8_t byte = 0;
+      hn::StoreMaskBits(Tag(), a.m, &byte);
+      return byte;
+    }
+    friend HWY_INLINE bool all_of(Mask a) { return hn::AllTrue(Tag(), a.m); }
+  };
+  hn::Vec<Tag> v;
 
-  static HWY_INLINE Packet set(float x) { return {hn::Set(Lanes(), x)}; }
-  static HWY_INLINE Packet load(const float* p) { return {hn::Load(Lanes(), p)}; }
-  static HWY_INLINE Packet from_int16(const std::int16_t* p) {
-    const hn::RebindToSigned<Lanes> wide;
-    const hn::Rebind<std::int16_t, Lanes> narrow;
-    return {hn::ConvertTo(Lanes(), hn::PromoteTo(wide, hn::Load(narrow, p)))};
+  static HWY_INLINE Vector set(T x) { return {hn::Set(Tag(), x)}; }
+  /// Pre: float32 is aligned.
+  static HWY_INLINE Vector load(const T* p) {
+    if constexpr (sizeof(T) == sizeof(float)) return {hn::Load(Tag(), p)};
+    return {hn::LoadU(Tag(), p)};
   }
-  HWY_INLINE void store(float* p) const { hn::StoreU(v, Lanes(), p); }
-};
+  static HWY_INLINE Vector from_int16(const std::int16_t* p) {
+    const hn::Rebind<std::int16_t, Tag> narrow;
+    return {hn::ConvertTo(Tag(), hn::PromoteTo(hn::RebindToSigned<Tag>(), hn::Load(narrow, p)))};
+  }
+  static HWY_INLINE Vector from_floats(const float* p) {
+    return {hn::PromoteTo(Tag(), hn::Load(hn::Rebind<float, Tag>(), p))};
+  }
+  HWY_INLINE void store(T* p) const { hn::StoreU(v, Tag(), p); }
+  HWY_INLINE void store_rounded(float* p) const {
+    const hn::Rebind<float, Tag> narrow;
+    hn::Store(hn::DemoteTo(narrow, v), narrow, p);
+  }
 
-HWY_INLINE Packet operator+(Packet a, Packet b) { return {hn::Add(a.v, b.v)}; }
-HWY_INLINE Packet operator-(Packet a, Packet b) { return {hn::Sub(a.v, b.v)}; }
-HWY_INLINE Packet operator*(Packet a, Packet b) { return {hn::Mul(a.v, b.v)}; }
-HWY_INLINE Packet operator/(Packet a, Packet b) { return {hn::Div(a.v, b.v)}; }
-HWY_INLINE Packet sqrt(Packet a) { return {hn::Sqrt(a.v)}; }
-HWY_INLINE Packet abs(Packet a) { return {hn::Abs(a.v)}; }
-HWY_INLINE Packet max(Packet a, Packet b) { return {hn::Max(a.v, b.v)}; }
-HWY_INLINE Packet min(Packet a, Packet b) { return {hn::Min(a.v, b.v)}; }
-HWY_INLINE Mask operator>(Packet a, Packet b) { return {hn::Gt(a.v, b.v)}; }
-HWY_INLINE Mask operator<(Packet a, Packet b) { return {hn::Lt(a.v, b.v)}; }
-HWY_INLINE Mask operator<=(Packet a, Packet b) { return {hn::Le(a.v, b.v)}; }
-HWY_INLINE Mask operator>=(Packet a, Packet b) { return {hn::Ge(a.v, b.v)}; }
-HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
-HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.m, b.m)}; }
-HWY_INLINE Mask operator^(Mask a, Mask b) { return {hn::Xor(a.m, b.m)}; }
-/// a, or -a where `sign` is negative.
-HWY_INLINE Packet flipped_as(Packet a, Packet sign) { return {hn::Xor(a.v, hn::And(sign.v, hn::Set(Lanes(), -0.0F)))}; }
+  friend HWY_INLINE Vector operator+(Vector a, Vector b) { return {hn::Add(a.v, b.v)}; }
+  friend HWY_INLINE Vector operator-(Vector a, Vector b) { return {hn::Sub(a.v, b.v)}; }
+  friend HWY_INLINE Vector operator*(Vector a, Vector b) { return {hn::Mul(a.v, b.v)}; }
+  friend HWY_INLINE Vector operator/(Vector a, Vector b) { return {hn::Div(a.v, b.v)}; }
+  friend HWY_INLINE Vector sqrt(Vector a) { return {hn::Sqrt(a.v)}; }
+  friend HWY_INLINE Vector abs(Vector a) { return {hn::Abs(a.v)}; }
+  friend HWY_INLINE Vector max(Vector a, Vector b) { return {hn::Max(a.v, b.v)}; }
+  friend HWY_INLINE Vector min(Vector a, Vector b) { return {hn::Min(a.v, b.v)}; }
+  friend HWY_INLINE T largest(Vector a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
+  friend HWY_INLINE Mask operator>(Vector a, Vector b) { return {hn::Gt(a.v, b.v)}; }
+  friend HWY_INLINE Mask operator<(Vector a, Vector b) { return {hn::Lt(a.v, b.v)}; }
+  friend HWY_INLINE Mask operator<=(Vector a, Vector b) { return {hn::Le(a.v, b.v)}; }
+  friend HWY_INLINE Mask operator>=(Vector a, Vector b) { return {hn::Ge(a.v, b.v)}; }
+  friend HWY_INLINE Vector select(Mask m, Vector a, Vector b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
+  /// a, or -a where `sign` is negative.
+  friend HWY_INLINE Vector flipped_as(Vector a, Vector sign) {
+    return {hn::Xor(a.v, hn::And(sign.v, hn::Set(Tag(), T{-0.0F})))};
+  }
+};
+using Packet = Vector<float, width>;
+using Mask = Packet::Mask;
+using Lanes = Packet::Tag;
+using Doubles = Vector<double, width>;
+using DoublesMask = Doubles::Mask;
+using Quad = Vector<double, 4>;
+using QuadMask = Quad::Mask;
+
 /// a, with its three last bits replaced by the number of its slot, which is `first` in the first lane.
 HWY_INLINE Packet numbered(Packet a, std::uint32_t first) {
   const hn::RebindToUnsigned<Lanes> whole;
   const auto slot = hn::Iota(whole, first);
   return {hn::BitCast(Lanes(), hn::Or(hn::AndNot(hn::Set(whole, width - 1), hn::BitCast(whole, a.v)), slot))};
 }
-HWY_INLINE Packet select(Mask m, Packet a, Packet b) { return {hn::IfThenElse(m.m, a.v, b.v)}; }
 
 /// Slots of a leaf, one in each lane; numbers and ids that are picked by them from tables of `width`.
 struct Slots {
@@ -137,23 +165,7 @@ HWY_INLINE void deinterleave(const std::uint32_t* ids, std::uint32_t* first, std
 
 /// Two packets at once where there is room, otherwise one.
 #if HWY_MAX_BYTES == 64
-struct WidePacket {
-  using Tag = hn::CappedTag<float, 2 * width>;
-  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
-  hn::Vec<Tag> v;
-
-  static HWY_INLINE WidePacket load(const float* p) { return {hn::Load(Tag(), p)}; }
-  HWY_INLINE void store(float* p) const { hn::StoreU(v, Tag(), p); }
-};
-
-HWY_INLINE WidePacket operator+(WidePacket a, WidePacket b) { return {hn::Add(a.v, b.v)}; }
-HWY_INLINE WidePacket operator-(WidePacket a, WidePacket b) { return {hn::Sub(a.v, b.v)}; }
-HWY_INLINE WidePacket operator*(WidePacket a, WidePacket b) { return {hn::Mul(a.v, b.v)}; }
-HWY_INLINE WidePacket max(WidePacket a, WidePacket b) { return {hn::Max(a.v, b.v)}; }
-HWY_INLINE WidePacket min(WidePacket a, WidePacket b) { return {hn::Min(a.v, b.v)}; }
-HWY_INLINE WidePacket flipped_as(WidePacket a, WidePacket sign) {
-  return {hn::Xor(a.v, hn::And(sign.v, hn::Set(WidePacket::Tag(), -0.0F)))};
-}
+using WidePacket = Vector<float, 2 * width>;
 HWY_INLINE WidePacket duplicated(Packet a) { return {hn::Combine(WidePacket::Tag(), a.v, a.v)}; }
 HWY_INLINE Packet first_of(WidePacket a) { return {hn::LowerHalf(Lanes(), a.v)}; }
 HWY_INLINE Packet last_of(WidePacket a) { return {hn::UpperHalf(Lanes(), a.v)}; }
@@ -167,59 +179,7 @@ inline constexpr std::uint32_t corners_at_once = 2;  // in a WidePacket
 #else
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
-HWY_INLINE Packet duplicated(Packet a) { return a; }
-HWY_INLINE Packet first_of(Packet a) { return a; }
-HWY_INLINE Packet last_of(Packet a) { return a; }
-HWY_INLINE Packet larger_half(Packet a) { return a; }
-HWY_INLINE Packet smaller_half(Packet a) { return a; }
 #endif
-
-/// A vector of at most `most` numbers in float64.
-template <std::size_t most>
-struct DoublePacket {
-  using Tag = hn::CappedTag<double, most>;
-  using Narrow = hn::Rebind<float, Tag>;
-  static constexpr std::uint32_t lanes = hn::MaxLanes(Tag());
-  struct Mask {
-    hn::Mask<Tag> m;
-
-    friend HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
-    friend HWY_INLINE unsigned bits(Mask a) {
-      std::uint8_t byte = 0;
-      hn::StoreMaskBits(Tag(), a.m, &byte);
-      return byte;
-    }
-    friend HWY_INLINE bool all_of(Mask a) { return hn::AllTrue(Tag(), a.m); }
-  };
-  hn::Vec<Tag> v;
-
-  static HWY_INLINE DoublePacket set(double x) { return {hn::Set(Tag(), x)}; }
-  static HWY_INLINE DoublePacket load(const double* p) { return {hn::LoadU(Tag(), p)}; }
-  static HWY_INLINE DoublePacket from_floats(const float* p) { return {hn::PromoteTo(Tag(), hn::Load(Narrow(), p))}; }
-  HWY_INLINE void store(double* p) const { hn::StoreU(v, Tag(), p); }
-  HWY_INLINE void store_rounded(float* p) const { hn::Store(hn::DemoteTo(Narrow(), v), Narrow(), p); }
-
-  friend HWY_INLINE DoublePacket operator+(DoublePacket a, DoublePacket b) { return {hn::Add(a.v, b.v)}; }
-  friend HWY_INLINE DoublePacket operator-(DoublePacket a, DoublePacket b) { return {hn::Sub(a.v, b.v)}; }
-  friend HWY_INLINE DoublePacket operator*(DoublePacket a, DoublePacket b) { return {hn::Mul(a.v, b.v)}; }
-  friend HWY_INLINE DoublePacket operator/(DoublePacket a, DoublePacket b) { return {hn::Div(a.v, b.v)}; }
-  friend HWY_INLINE DoublePacket sqrt(DoublePacket a) { return {hn::Sqrt(a.v)}; }
-  friend HWY_INLINE DoublePacket abs(DoublePacket a) { return {hn::Abs(a.v)}; }
-  friend HWY_INLINE DoublePacket min(DoublePacket a, DoublePacket b) { return {hn::Min(a.v, b.v)}; }
-  friend HWY_INLINE DoublePacket max(DoublePacket a, DoublePacket b) { return {hn::Max(a.v, b.v)}; }
-  friend HWY_INLINE double largest(DoublePacket a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
-  friend HWY_INLINE Mask operator>(DoublePacket a, DoublePacket b) { return {hn::Gt(a.v, b.v)}; }
-  friend HWY_INLINE Mask operator<(DoublePacket a, DoublePacket b) { return {hn::Lt(a.v, b.v)}; }
-  friend HWY_INLINE Mask operator<=(DoublePacket a, DoublePacket b) { return {hn::Le(a.v, b.v)}; }
-  friend HWY_INLINE Mask operator>=(DoublePacket a, DoublePacket b) { return {hn::Ge(a.v, b.v)}; }
-  friend HWY_INLINE DoublePacket select(Mask m, DoublePacket a, DoublePacket b) {
-    return {hn::IfThenElse(m.m, a.v, b.v)};
-  }
-};
-using Doubles = DoublePacket<width>;
-using DoublesMask = Doubles::Mask;
-using Quad = DoublePacket<4>;
-using QuadMask = Quad::Mask;
 
 /// As many points as there are numbers in a packet.
 template <typename P>
@@ -281,9 +241,13 @@ struct PointScaler {
 #endif
 };
 
-/// As many points as there are numbers in a packet, each written as above.
-HWY_INLINE void load_points(const float* p, WidePacket& x, WidePacket& y, WidePacket& z) {
+/// As many points as a packet has numbers, each as four numbers, of which the last does not matter.
+HWY_INLINE void load_points(const float* p, Packet& x, Packet& y, Packet& z) {
+  hn::Vec<Lanes> rest;
+  hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
+}
 #if HWY_MAX_BYTES == 64
+HWY_INLINE void load_points(const float* p, WidePacket& x, WidePacket& y, WidePacket& z) {
   // Pairs of points, first those of one row, then those of the other. 4 x 4 of each 128-bit block of four vectors, then
   // the blocks in the middle change places.
   const WidePacket::Tag d;
@@ -302,16 +266,8 @@ HWY_INLINE void load_points(const float* p, WidePacket& x, WidePacket& y, WidePa
   x.v = in_order(hn::InterleaveLower(twos, xy_ab, xy_ce));
   y.v = in_order(hn::InterleaveUpper(twos, xy_ab, xy_ce));
   z.v = in_order(hn::InterleaveLower(twos, z_ab, z_ce));
-#else
-  hn::Vec<Lanes> rest;
-  hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
+}
 #endif
-}
-/// As many points as a packet has numbers, each as four numbers, of which the last does not matter.
-HWY_INLINE void load_interleaved(const float* p, Packet& x, Packet& y, Packet& z) {
-  hn::Vec<Lanes> rest;
-  hn::LoadInterleaved4(Lanes(), p, x.v, y.v, z.v, rest);
-}
 HWY_INLINE void store_interleaved(Packet x, Packet y, Packet z, float* p) {
   hn::StoreInterleaved4(x.v, y.v, z.v, x.v, Lanes(), p);
 }
@@ -385,13 +341,6 @@ struct Int16Tile {
   }
 #endif
 };
-
-HWY_INLINE float largest(Packet a) { return hn::GetLane(hn::MaxOfLanes(Lanes(), a.v)); }
-HWY_INLINE unsigned bits(Mask m) {
-  std::uint8_t byte = 0;
-  hn::StoreMaskBits(Lanes(), m.m, &byte);
-  return byte;
-}
 
 }  // namespace
 }  // namespace limber::simd::HWY_NAMESPACE

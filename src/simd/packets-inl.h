@@ -100,13 +100,20 @@ LIMBER_KERNEL P largest_abs(const Triple<P>& a) {
 LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
   p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
 }
+#if !defined(HWY_MAX_BYTES) || HWY_MAX_BYTES != 64  // a WidePacket is a Packet
+LIMBER_KERNEL Packet duplicated(Packet a) { return a; }
+LIMBER_KERNEL Packet first_of(Packet a) { return a; }
+LIMBER_KERNEL Packet last_of(Packet a) { return a; }
+LIMBER_KERNEL Packet larger_half(Packet a) { return a; }
+LIMBER_KERNEL Packet smaller_half(Packet a) { return a; }
+#endif
 LIMBER_KERNEL Triple<WidePacket> duplicated(const Packet3& p) {
   return {duplicated(p.x), duplicated(p.y), duplicated(p.z)};
 }
 /// As many points as a packet has numbers, of four numbers each, one after the other; the last number is not used.
 LIMBER_KERNEL Packet3 load_points3(const float* p) {
   Packet3 points;
-  load_interleaved(p, points.x, points.y, points.z);
+  load_points(p, points.x, points.y, points.z);
   return points;
 }
 /// Stores points as load_points3() reads them; the fourth number is x again.

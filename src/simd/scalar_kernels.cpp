@@ -4,10 +4,13 @@
 // The kernels one SIMD lane at a time: what every instruction set is compared with, bit by bit.
 #define LIMBER_SCALAR_KERNELS
 #include "kernels/all-inl.h"
+#include "limber/base.h"
 #include "simd/kernels.h"
 
-namespace limber::simd {
+namespace limber {
 
-constinit const Kernels scalar_kernels = scalar::table("scalar");
+constinit const simd::Kernels simd::scalar_kernels = scalar::table("scalar");
 
-}  // namespace limber::simd
+const char* instruction_set() noexcept { return simd::kernels().name; }
+
+}  // namespace limber

@@ -16,41 +16,54 @@ namespace {
 
 using bvh::width;
 
-struct Mask {
-  bool m;
-};
-
 /// A vector of one number.
-struct Packet {
+template <typename T>
+struct Vector {
   static constexpr std::uint32_t lanes = 1;
-  float v;
+  struct Mask {
+    bool m;
 
-  static Packet set(float x) { return {x}; }
-  static Packet load(const float* p) { return {*p}; }
-  static Packet from_int16(const std::int16_t* p) { return {static_cast<float>(*p)}; }
-  void store(float* p) const { *p = v; }
+    friend Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
+    friend Mask operator|(Mask a, Mask b) { return {a.m || b.m}; }
+    friend Mask operator^(Mask a, Mask b) { return {a.m != b.m}; }
+    friend unsigned bits(Mask a) { return a.m ? 1 : 0; }
+    friend bool all_of(Mask a) { return a.m; }
+  };
+  T v;
+
+  static Vector set(T x) { return {x}; }
+  static Vector load(const T* p) { return {*p}; }
+  static Vector from_int16(const std::int16_t* p) { return {static_cast<T>(*p)}; }
+  static Vector from_floats(const float* p) { return {T{*p}}; }
+  void store(T* p) const { *p = v; }
+  void store_rounded(float* p) const { *p = static_cast<float>(v); }
+
+  friend Vector operator+(Vector a, Vector b) { return {a.v + b.v}; }
+  friend Vector operator-(Vector a, Vector b) { return {a.v - b.v}; }
+  friend Vector operator*(Vector a, Vector b) { return {a.v * b.v}; }
+  friend Vector operator/(Vector a, Vector b) { return {a.v / b.v}; }
+  friend Vector sqrt(Vector a) { return {std::sqrt(a.v)}; }
+  friend Vector abs(Vector a) { return {std::abs(a.v)}; }
+  friend Vector max(Vector a, Vector b) { return {a.v > b.v ? a.v : b.v}; }
+  friend Vector min(Vector a, Vector b) { return {a.v < b.v ? a.v : b.v}; }
+  friend T largest(Vector a) { return a.v; }
+  friend Mask operator>(Vector a, Vector b) { return {a.v > b.v}; }
+  friend Mask operator<(Vector a, Vector b) { return {a.v < b.v}; }
+  friend Mask operator<=(Vector a, Vector b) { return {a.v <= b.v}; }
+  friend Mask operator>=(Vector a, Vector b) { return {a.v >= b.v}; }
+  friend Vector select(Mask m, Vector a, Vector b) { return m.m ? a : b; }
+  friend Vector flipped_as(Vector a, Vector sign) { return {std::signbit(sign.v) ? -a.v : a.v}; }
 };
+using Packet = Vector<float>;
+using Mask = Packet::Mask;
+using Doubles = Vector<double>;
+using DoublesMask = Doubles::Mask;
+using Quad = Doubles;
+using QuadMask = DoublesMask;
 
-inline Packet operator+(Packet a, Packet b) { return {a.v + b.v}; }
-inline Packet operator-(Packet a, Packet b) { return {a.v - b.v}; }
-inline Packet operator*(Packet a, Packet b) { return {a.v * b.v}; }
-inline Packet operator/(Packet a, Packet b) { return {a.v / b.v}; }
-inline Packet sqrt(Packet a) { return {std::sqrt(a.v)}; }
-inline Packet abs(Packet a) { return {std::abs(a.v)}; }
-inline Packet max(Packet a, Packet b) { return {a.v > b.v ? a.v : b.v}; }
-inline Packet min(Packet a, Packet b) { return {a.v < b.v ? a.v : b.v}; }
-inline Mask operator>(Packet a, Packet b) { return {a.v > b.v}; }
-inline Mask operator<(Packet a, Packet b) { return {a.v < b.v}; }
-inline Mask operator<=(Packet a, Packet b) { return {a.v <= b.v}; }
-inline Mask operator>=(Packet a, Packet b) { return {a.v >= b.v}; }
-inline Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
-inline Mask operator|(Mask a, Mask b) { return {a.m || b.m}; }
-inline Mask operator^(Mask a, Mask b) { return {a.m != b.m}; }
-inline Packet flipped_as(Packet a, Packet sign) { return {std::signbit(sign.v) ? -a.v : a.v}; }
 inline Packet numbered(Packet a, std::uint32_t first) {
   return {std::bit_cast<float>((std::bit_cast<std::uint32_t>(a.v) & ~(width - 1)) | first)};
 }
-inline Packet select(Mask m, Packet a, Packet b) { return m.m ? a : b; }
 
 struct Slots {
   std::uint32_t slot;
@@ -75,47 +88,6 @@ inline void deinterleave(const std::uint32_t* ids, std::uint32_t* first, std::ui
 
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
-inline Packet duplicated(Packet a) { return a; }
-inline Packet first_of(Packet a) { return a; }
-inline Packet last_of(Packet a) { return a; }
-inline Packet larger_half(Packet a) { return a; }
-inline Packet smaller_half(Packet a) { return a; }
-
-/// A number in float64.
-struct Doubles {
-  static constexpr std::uint32_t lanes = 1;
-  double v;
-
-  static Doubles set(double x) { return {x}; }
-  static Doubles load(const double* p) { return {*p}; }
-  static Doubles from_floats(const float* p) { return {static_cast<double>(*p)}; }
-  void store(double* p) const { *p = v; }
-  void store_rounded(float* p) const { *p = static_cast<float>(v); }
-};
-using Quad = Doubles;
-
-inline Doubles operator+(Doubles a, Doubles b) { return {a.v + b.v}; }
-inline Doubles operator-(Doubles a, Doubles b) { return {a.v - b.v}; }
-inline Doubles operator*(Doubles a, Doubles b) { return {a.v * b.v}; }
-inline Doubles operator/(Doubles a, Doubles b) { return {a.v / b.v}; }
-inline Doubles sqrt(Doubles a) { return {std::sqrt(a.v)}; }
-inline Doubles abs(Doubles a) { return {std::abs(a.v)}; }
-inline Doubles min(Doubles a, Doubles b) { return {a.v < b.v ? a.v : b.v}; }
-inline Doubles max(Doubles a, Doubles b) { return {a.v > b.v ? a.v : b.v}; }
-inline double largest(Doubles a) { return a.v; }
-
-struct DoublesMask {
-  bool m;
-};
-using QuadMask = DoublesMask;
-inline DoublesMask operator>(Doubles a, Doubles b) { return {a.v > b.v}; }
-inline DoublesMask operator<(Doubles a, Doubles b) { return {a.v < b.v}; }
-inline DoublesMask operator<=(Doubles a, Doubles b) { return {a.v <= b.v}; }
-inline DoublesMask operator>=(Doubles a, Doubles b) { return {a.v >= b.v}; }
-inline DoublesMask operator&(DoublesMask a, DoublesMask b) { return {a.m && b.m}; }
-inline Doubles select(DoublesMask m, Doubles a, Doubles b) { return m.m ? a : b; }
-inline unsigned bits(DoublesMask a) { return a.m ? 1 : 0; }
-inline bool all_of(DoublesMask a) { return a.m; }
 
 inline void load_points(const double* p, Doubles& x, Doubles& y, Doubles& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
 inline Doubles or_zero(Doubles x, Doubles size_of, double least) { return {std::abs(size_of.v) >= least ? x.v : 0}; }
@@ -132,8 +104,6 @@ struct PointScaler {
 };
 
 inline void load_points(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
-
-inline void load_interleaved(const float* p, Packet& x, Packet& y, Packet& z) { x = {p[0]}, y = {p[1]}, z = {p[2]}; }
 inline void store_interleaved(Packet x, Packet y, Packet z, float* p) {
   p[0] = x.v, p[1] = y.v, p[2] = z.v, p[3] = x.v;
 }
@@ -146,8 +116,6 @@ struct Int16Tile {
     for (std::uint32_t i = 0; i < width * width; ++i) columns[i % width][i / width] = v[i];
   }
 };
-inline float largest(Packet a) { return a.v; }
-inline unsigned bits(Mask m) { return m.m ? 1 : 0; }
 
 }  // namespace
 }  // namespace limber::simd::scalar

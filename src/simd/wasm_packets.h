@@ -111,11 +111,6 @@ LIMBER_WASM void deinterleave(const std::uint32_t* ids, std::uint32_t* first, st
 
 using WidePacket = Packet;
 inline constexpr std::uint32_t corners_at_once = 1;
-LIMBER_WASM Packet duplicated(Packet a) { return a; }
-LIMBER_WASM Packet first_of(Packet a) { return a; }
-LIMBER_WASM Packet last_of(Packet a) { return a; }
-LIMBER_WASM Packet larger_half(Packet a) { return a; }
-LIMBER_WASM Packet smaller_half(Packet a) { return a; }
 
 /// A vector of two numbers in float64.
 struct Doubles {
@@ -199,7 +194,6 @@ LIMBER_WASM void load_points(const float* p, Packet& x, Packet& y, Packet& z) {
   transpose(wasm_v128_load(p), wasm_v128_load(p + 4), wasm_v128_load(p + 8), wasm_v128_load(p + 12), columns);
   x.v = columns[0], y.v = columns[1], z.v = columns[2];
 }
-LIMBER_WASM void load_interleaved(const float* p, Packet& x, Packet& y, Packet& z) { load_points(p, x, y, z); }
 LIMBER_WASM void store_interleaved(Packet x, Packet y, Packet z, float* p) {
   v128_t points[4];
   transpose(x.v, y.v, z.v, x.v, points);

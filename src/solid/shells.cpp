@@ -19,7 +19,7 @@
 #include "geometry/collinear.h"
 #include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
-#include "pair/placed_self_intersections.h"
+#include "pair/parts.h"
 
 namespace limber::solid {
 namespace {

@@ -15,11 +15,9 @@
 #include "geometry/collinear.h"
 #include "geometry/primitives.h"
 #include "limber/contacts.h"
-#include "pair/placed_leaf.h"
 #include "pair/placed_pair.h"
-#include "point/ray_crossings.h"
-#include "solid/cells.h"
-#include "solid/disjoint_sets.h"
+#include "point/placed_model.h"
+#include "solid/cut.h"
 #include "solid/shells.h"
 
 namespace limber {

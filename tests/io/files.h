@@ -146,11 +146,7 @@ struct GltfParts {
   }
 };
 
-/// One triangle for each accessor of positions: sparse positions, a view with a stride, a strip and a fan, below two
-/// levels of nodes.
-GltfParts varied_gltf();
-
-/// These triangles, in the same form.
+/// These triangles, as glTF.
 GltfParts gltf_of(const std::vector<Vec3>& positions, const std::vector<Corners>& triangles);
 
 /// The tetrahedron in every format, as (file name, bytes).

@@ -45,10 +45,7 @@ TEST_F(Formats, every_format_gives_the_same_tetrahedron_from_disk_and_from_memor
     const std::string half = bytes.substr(0, bytes.size() / 2);
     const Result<MeshFile> damaged = read_mesh_bytes(std::as_bytes(std::span(half)), path(name));
     const Result<MeshFile> damaged_on_disk = read(name, half);
-    ASSERT_EQ(static_cast<bool>(damaged), static_cast<bool>(damaged_on_disk)) << name;
-    if (damaged) continue;
-    EXPECT_EQ(damaged.error().text, damaged_on_disk.error().text);
-    EXPECT_EQ(damaged.error().code, damaged_on_disk.error().code);
+    EXPECT_EQ(damaged ? "" : damaged.error().text, damaged_on_disk ? "" : damaged_on_disk.error().text) << name;
   }
   EXPECT_EQ(read_mesh_bytes({}, "empty.obj").error().text, "empty.obj: is empty");
   EXPECT_EQ(read_mesh_bytes({}, "no_extension").error().code, ErrorCode::unsupported_format);

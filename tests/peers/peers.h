@@ -24,10 +24,12 @@
 /// Bodies that bug reports of other libraries describe, and what is asked about every pair of them.
 ///
 /// Some reports are answered by other tests: RandomQueries and PointsProperty (FCL #171, #382, Embree #423,
-/// three-mesh-bvh #91, #386, #447, Jolt #655, PhysX-3.4 #140), ContactsProperty (Coal #755), ElementsProperty (Jolt
-/// #1016), UpdateSequences (python-fcl #45, three-mesh-bvh #879, Warp #1507), TriangleContact (FCL #221, Coal #357,
-/// Jolt #529), those that share models with threads (FCL #224, Coal #870, Bullet #59), ContactNormals (IPC Toolkit PR
-/// #232), Coincident (libigl #226, trimesh #741), PointDistance (FCL PR #401, axom #1307).
+/// three-mesh-bvh #91, #386, #447, Jolt #655, PhysX-3.4 #140), ContactsProperty (Coal #755, mujoco_warp #1649),
+/// ElementsProperty (Jolt #1016), UpdateSequences (python-fcl #45, three-mesh-bvh #879, Warp #1507), TriangleContact
+/// (FCL #221, Coal #357, Jolt #529), those that share models with threads (FCL #224, Coal #870, Bullet #59),
+/// ContactNormals (IPC Toolkit PR #232), Coincident (libigl #226, trimesh #741), PointDistance (FCL PR #401, axom
+/// #1307), SegmentDistance (IPC Toolkit PR #225), EnclosingSphere (scalismo #262), Model (Newton PR #3760), ExactScenes
+/// (MuJoCo #3383).
 namespace limber::testing {
 
 inline Transform at(double x, double y = 0, double z = 0) { return {{}, {x, y, z}}; }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Closest points that were wrong, in the wrong frame, or not those of the distance, and distances of the wrong sign.
-#include <limits>
 #include <optional>
 
 #include "limber/elements.h"
@@ -111,9 +110,9 @@ TEST(WitnessPoints, OfATinyBallInAFaceIsOnePointOfBoth) {
 TEST(WitnessPoints, OfATiltedSurfaceIsTheFootOfThePerpendicular) {
   const Model surface(scenes::grid(20, 20, -5, -5, 0.5, 0.5));
   const Vec3 left{-0.3, 0.1, 2}, right{0.4, -0.2, 3};
-  // The point itself, and a tip that is any corner of its triangle.
-  const Model point(triangles_of({{{}, {}, {}}})), tip0(triangles_of({{{}, left, right}}));
-  const Model tip1(triangles_of({{right, {}, left}})), tip2(triangles_of({{left, right, {}}}));
+  // A tip that is any corner of its triangle.
+  const Model tip0(triangles_of({{{}, left, right}})), tip1(triangles_of({{right, {}, left}})),
+      tip2(triangles_of({{left, right, {}}}));
   scenes::Rng rng(257);
   for (int i = 0; i < 100; ++i) {
     const Transform pose = random_pose(rng, 3);
@@ -123,7 +122,7 @@ TEST(WitnessPoints, OfATiltedSurfaceIsTheFootOfThePerpendicular) {
     const SurfacePoint found = closest_point({surface, pose}, tip_pose.translation).closest.value();
     EXPECT_NEAR(found.distance, height, 1e-14);
     expect_near(found.position, pose(foot), 1e-13);
-    for (const Model* tip : std::initializer_list<const Model*>{&point, &tip0, &tip1, &tip2}) {
+    for (const Model* tip : std::initializer_list<const Model*>{&tip0, &tip1, &tip2}) {
       const DistanceResult forth = distance({surface, pose}, {*tip, tip_pose});
       const DistanceResult back = distance({*tip, tip_pose}, {surface, pose});
       EXPECT_NEAR(forth.upper, height, 1e-14);
@@ -190,12 +189,7 @@ TEST(WitnessPoints, AreAbsentWhereNothingWasFound) {
   const Model cube(box({1, 1, 1}));
   QueryCache cache;
   EXPECT_TRUE(distance({cube}, {cube, at(1)}, {.cache = &cache}).witness.has_value());
-  const DistanceResult beyond = distance({cube}, {cube, at(9)}, {.max_distance = 1, .cache = &cache});
-  EXPECT_EQ(beyond.status, DistanceStatus::beyond_limit);
-  EXPECT_FALSE(beyond.witness.has_value());
-  EXPECT_EQ(beyond.upper, std::numeric_limits<double>::infinity());
-  EXPECT_FALSE(collide({cube}, {cube, at(9)}, {.cache = &cache}).witness.has_value());
-  EXPECT_FALSE(within({cube}, {cube, at(9)}, 1, {.cache = &cache}).witness.has_value());
+  EXPECT_FALSE(distance({cube}, {cube, at(9)}, {.max_distance = 1, .cache = &cache}).witness.has_value());
   EXPECT_FALSE(closest_point({cube}, {9, 0, 0}, {.max_distance = 1}).closest.has_value());
   // Lists are written as far as something was found, and no further.
   std::vector<Contact> list(100);

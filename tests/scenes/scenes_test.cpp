@@ -89,13 +89,6 @@ TEST(Scenes, SineAndCosineAreAccurate) {
   }
 }
 
-TEST(Scenes, RngGivesTheSplitmixSequence) {
-  Rng rng(1234567);
-  EXPECT_EQ(rng.next(), 6457827717110365317U);
-  EXPECT_EQ(rng.next(), 3203168211198807973U);
-  EXPECT_EQ(rng.next(), 9817491932198370423U);
-}
-
 TEST(Soups, LatticeCoordinatesAreSmallIntegers) {
   Rng rng(8);
   const Mesh mesh = lattice_soup(rng, 300, 3);
@@ -223,17 +216,6 @@ TEST(Surfaces, HaveTheVolumesOfTheirSolids) {
   EXPECT_NEAR(volume(loft(circles_along(bar, 3, 4, 1), Ends::capped)), 2 * std::sqrt(26.0), 1e-13);
   const Transform moved = {{{0, -2, 0}, {2, 0, 0}, {0, 0, 2}}, {1, 2, 3}};
   EXPECT_NEAR(volume(together({lathe(spindle, 4), lathe(spindle, 4)}, moved)), 8 * 8.0 / 3, 1e-13);
-}
-
-TEST(Surfaces, AreClosed) {
-  expect_sound(boxes({{{0, 0, 0}, {1, 2, 3}}, {{1, 2, 3}, {2, 3, 4}}}));
-  expect_sound(loft({circle(5, 1, 0), circle(5, 1, 1), circle(5, 0.5, 1), circle(5, 0.5, 0)}, Ends::joined));
-  expect_sound(lathe({{0, 0}, {1, 0}, {0, 1}}, 3, 2));
-  const auto round = [](double t) { return Vec3{cosine(2 * std::numbers::pi * t), sine(2 * std::numbers::pi * t), 0}; };
-  const Mesh torus = loft(circles_along(round, 40, 30, 0.2, Ends::joined), Ends::joined);
-  expect_sound(torus);
-  EXPECT_EQ(torus.triangles().size(), 2U * 40 * 30);
-  for (const Vec3& p : torus.positions()) EXPECT_NEAR(std::hypot(std::hypot(p.x, p.y) - 1, p.z), 0.2, 1e-12);
 }
 
 }  // namespace

@@ -27,39 +27,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct SheetAndBall {
-  Model sheet{scenes::wave_sheet(60, 60, 0)}, ball{scenes::ball(40, 21)};
-  Placed a{sheet}, b{ball, {{}, {2, 2, 1.5}}};
-  double truth = distance(a, b).upper;
-};
-
-TEST(Budget, OfStepsGivesIntervalsThatHoldTheDistance) {
-  const SheetAndBall s;
-  int interrupted = 0;
-  for (std::uint64_t steps = 0; steps < 2000; steps = steps * 5 / 4 + 1) {
-    const DistanceOptions options{.budget = {.max_steps = steps}};
-    const DistanceResult found = distance(s.a, s.b, options);
-    ASSERT_EQ(wrong_answer(found, options, s.a, s.b, {s.truth, 1e-15}), "") << steps;
-    const bool is_interrupted = found.status == DistanceStatus::interrupted;
-    EXPECT_EQ(found.stopped_by, is_interrupted ? StoppedBy::max_steps : StoppedBy::nothing) << steps;
-    EXPECT_EQ(found.lower < found.upper, is_interrupted) << steps;
-    interrupted += is_interrupted ? 1 : 0;
-  }
-  EXPECT_GT(interrupted, 10);
-  EXPECT_LT(interrupted, 35);
-}
-
 TEST(Budget, EndsWithCancellation) {
-  const SheetAndBall s;
+  const Model sheet(scenes::wave_sheet(60, 60, 0)), ball(scenes::ball(40, 21));
+  const Placed a{sheet}, b{ball, {{}, {2, 2, 1.5}}};
   std::atomic<bool> cancel{true};
   const QueryBudget budget{.cancel = &cancel};
-  const DistanceResult found = distance(s.a, s.b, {.budget = budget});
+  const DistanceResult found = distance(a, b, {.budget = budget});
   EXPECT_EQ(found.status, DistanceStatus::interrupted);
   EXPECT_EQ(found.stopped_by, StoppedBy::cancel);
   EXPECT_LE(found.stats.node_tests, 1U);
-  EXPECT_EQ(collide(s.a, {s.ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::undecided);
+  EXPECT_EQ(collide(a, {ball, {{}, {2, 2, 0}}}, {.budget = budget}).answer, Answer::undecided);
   cancel = false;
-  EXPECT_EQ(distance(s.a, s.b, {.budget = budget}).status, DistanceStatus::exact);
+  EXPECT_EQ(distance(a, b, {.budget = budget}).status, DistanceStatus::exact);
 }
 
 TEST(Budget, WhoseDeadlineHasPassedLeavesTimeForOneStep) {
@@ -185,11 +164,13 @@ TEST(Endings, ComeAfterHardlyMoreWorkThanWithoutABudget) {
         last.upper = std::numeric_limits<double>::infinity();
         const Effort effort = ask_to_the_end(2 * whole + 10, [&] {
           const DistanceResult found = distance(a, b, with(options, &cache, {.max_steps = steps}));
+          const bool is_done = found.status != DistanceStatus::interrupted;
           EXPECT_EQ(wrong_answer(found, options, a, b, truth), "");
+          EXPECT_EQ(found.stopped_by, is_done ? StoppedBy::nothing : StoppedBy::max_steps);
           EXPECT_GE(found.lower, std::min(last.lower, found.upper));
           EXPECT_TRUE(found.upper <= last.upper || found.status == DistanceStatus::beyond_limit);
           last = found;
-          return std::pair(found.stats, found.status != DistanceStatus::interrupted);
+          return std::pair(found.stats, is_done);
         });
         EXPECT_LE(effort.node_tests, 2 * whole + tests_a_call * effort.calls + tests_a_step);
       }

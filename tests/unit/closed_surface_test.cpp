@@ -74,36 +74,21 @@ TEST(ClosedSurface, OfABoxKnowsInsideHoweverNormalsPointAndWhateverTheLimit) {
   }
 }
 
-/// Tetrahedra, each with its own corners: closed, whatever they look like and however they overlap.
-struct Tetrahedra {
-  std::vector<Vec3> positions;
-  std::vector<Corners> triangles;
-
-  void add(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-    const auto v = static_cast<VertexId>(positions.size());
-    positions.insert(positions.end(), {a, b, c, d});
-    for (const Corners& t : {Corners{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}) {
-      triangles.push_back({v + t[0], v + t[1], v + t[2]});
+/// By the four planes of each tetrahedron; nothing where the point is on a face.
+std::optional<int> winding_number_of_tetrahedra(const std::vector<Vec3>& placed, const Vec3& p) {
+  int sum = 0;
+  for (std::size_t i = 0; i < placed.size(); i += 4) {
+    const Vec3 &a = placed[i], &b = placed[i + 1], &c = placed[i + 2], &d = placed[i + 3];
+    const int signs[] = {orient3d(a, b, c, p), orient3d(a, d, b, p), orient3d(b, d, c, p), orient3d(c, d, a, p)};
+    const auto [low, high] = std::minmax_element(signs, signs + 4);
+    if (*low * *high < 0) continue;
+    for (const Triangle& t : {Triangle{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}}) {
+      if (intersects(Segment{p, p}, t)) return std::nullopt;
     }
+    if (*low != 0 && *low == *high) sum += *low;
   }
-  Mesh mesh() const { return Mesh::create(positions, triangles).value(); }
-
-  /// By the four planes of each; nothing where the point is on a face.
-  static std::optional<int> winding_number(const std::vector<Vec3>& placed, const Vec3& p) {
-    int sum = 0;
-    for (std::size_t i = 0; i < placed.size(); i += 4) {
-      const Vec3 &a = placed[i], &b = placed[i + 1], &c = placed[i + 2], &d = placed[i + 3];
-      const int signs[] = {orient3d(a, b, c, p), orient3d(a, d, b, p), orient3d(b, d, c, p), orient3d(c, d, a, p)};
-      const auto [low, high] = std::minmax_element(signs, signs + 4);
-      if (*low * *high < 0) continue;
-      for (const Triangle& t : {Triangle{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}}) {
-        if (intersects(Segment{p, p}, t)) return std::nullopt;
-      }
-      if (*low != 0 && *low == *high) sum += *low;
-    }
-    return sum;
-  }
-};
+  return sum;
+}
 
 // Open3D #6919: all points are outside of a mesh whose triangles look inward. libigl #1204: a point on the mesh gets a
 // distance that is no number, because a comparison has no equals sign.
@@ -113,7 +98,7 @@ TEST(ClosedSurface, WindingNumbersOfTetrahedraAreExact) {
   Rng rng(851);
   int on = 0, in = 0;
   for (int i = 0; i < 1500; ++i) {
-    Tetrahedra tetrahedra;
+    std::optional<Mesh> tetrahedra;  // closed, whatever they look like and however they overlap
     const bool is_lattice = rng.below(2) == 0, is_clustered = rng.below(3) == 0;
     const double scale = rng.below(4) == 0 ? std::ldexp(1.0, static_cast<int>(rng.below(300)) - 150) : 1;
     const auto corner = [&] { return scale * (is_lattice ? lattice_point(rng) : uniform_point(rng, 0, 3)); };
@@ -123,13 +108,14 @@ TEST(ClosedSurface, WindingNumbersOfTetrahedraAreExact) {
       // A leaf holds two tetrahedra, here so small that float32 tells little about where they are.
       const auto near = [&] { return is_clustered ? center + 1e-8 * corner() : corner(); };
       const Vec3 a = near(), b = near(), c = near(), d = near();
-      tetrahedra.add(a, b, c, d);
+      const Mesh next = tetrahedron(a, b, c, d);
+      tetrahedra = tetrahedra ? joined(*tetrahedra, next) : next;
     }
     Transform pose;
     if (rng.below(3) == 0) pose = random_pose(rng, 3), pose.translation *= scale;
-    std::vector<Vec3> placed = tetrahedra.positions;
+    std::vector<Vec3> placed = tetrahedra->positions();
     for (Vec3& p : placed) p = pose(p);
-    const Model model(tetrahedra.mesh());
+    const Model model(*tetrahedra);
     const ClosedSurface surface = ClosedSurface::create(model).value();
     for (int k = 0; k < 10; ++k) {
       Vec3 point = rng.below(3) == 0 ? pose(corner()) : pose(scale * lattice_point(rng));
@@ -139,7 +125,7 @@ TEST(ClosedSurface, WindingNumbersOfTetrahedraAreExact) {
         const std::size_t v = 4 * rng.below(placed.size() / 4);
         point = 0.25 * (placed[v] + placed[v + 1] + placed[v + 2] + placed[v + 3]);
       }
-      const std::optional<int> truth = Tetrahedra::winding_number(placed, point);
+      const std::optional<int> truth = winding_number_of_tetrahedra(placed, point);
       for (const simd::Kernels& set : simd::all_kernels()) {
         simd::use_kernels(&set);
         const std::optional<int> found = surface.winding_number(point, pose);

@@ -66,24 +66,6 @@ TEST(MeshEdges, OfOneVertexAreNone) {
   EXPECT_EQ(Access::represented_by(edges, 1), 0);
 }
 
-TEST(MeshEdges, OfAClosedSurfaceAreThreeForTwoTriangles) {
-  const Mesh ball = scenes::ball(12, 7);
-  const Model model(ball);
-  const MeshEdges& edges = model.edges();
-  EXPECT_EQ(2 * edges.size(), 3 * ball.triangles().size());
-  EXPECT_TRUE(std::is_sorted(edges.vertices().begin(), edges.vertices().end()));
-  for (TriangleId t = 0; t < ball.triangles().size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const VertexId v = ball.triangles()[t][k], w = ball.triangles()[t][(k + 1) % 3];
-      const EdgeId e = edges.of_triangles()[t][k];
-      EXPECT_EQ(edges.vertices()[e], (Ends{std::min(v, w), std::max(v, w)}));
-      EXPECT_LE(edges.representatives()[e], t);
-      EXPECT_EQ(edges.representatives()[e] == t, (Access::represented_by(edges, t) >> (3 + k) & 1) != 0);
-      EXPECT_EQ(edges.vertex_representatives()[v] == t, (Access::represented_by(edges, t) >> k & 1) != 0);
-    }
-  }
-}
-
 TEST(MeshEdges, AreKeptUntilAModelIsReset) {
   Model model(scenes::ball(12, 7));
   std::vector<const MeshEdges*> seen(4);

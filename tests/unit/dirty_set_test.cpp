@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The nodes that a commit refits, and the motion that needs no refit.
-#include "bvh/dirty_set.h"
+#include "bvh/refit.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,6 @@
 #include <set>
 #include <vector>
 
-#include "bvh/refit.h"
 #include "model/motion_margin.h"
 #include "scenes/scenes.h"
 

@@ -6,7 +6,7 @@
 
 #include "limber/contacts.h"
 #include "limber/solids.h"
-#include "solid/cells.h"
+#include "solid/cut.h"
 #include "solid/shells.h"
 
 namespace limber::testing {

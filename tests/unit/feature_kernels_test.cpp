@@ -18,7 +18,7 @@
 #include "geometry/segment_distance.h"
 #include "geometry/triangle_contact.h"
 #include "limber/contacts.h"
-#include "pair/frames.h"
+#include "pair/placed_pair.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"
 #include "unit/kernel_cases.h"

@@ -10,7 +10,7 @@
 
 #include "limber/distance.h"
 #include "limber/model.h"
-#include "pair/frames.h"
+#include "pair/placed_pair.h"
 #include "pair/query_cache_impl.h"
 #include "scenes/motions.h"
 #include "support/random_geometry.h"

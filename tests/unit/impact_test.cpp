@@ -9,9 +9,7 @@
 #include <stdexcept>
 
 #include "limber/motion.h"
-#include "motion/exact_impact.h"
-#include "motion/impact_filter.h"
-#include "motion/moving_elements.h"
+#include "motion/element_impact.h"
 #include "simd/kernels.h"
 #include "support/random_motion.h"
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "pair/frames.h"
 #include "pair/placed_pair.h"
 #include "pair/pruning.h"
 #include "simd/kernels.h"

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "pair/frames.h"
 #include "pair/placed_pair.h"
 #include "pair/pruning.h"
 #include "simd/kernels.h"
@@ -123,20 +122,15 @@ TEST(Kernels, BoundsOfBoxesThatTouchNeverExceedDistances) {
     // Of either brick a corner is nearest; the other one has a point on a face there.
     const auto axis = static_cast<std::size_t>(rng.below(3));
     const bool corner_of_b = rng.below(2) == 0;
-    const Placed face_side = corner_of_b ? Placed{a, pose_a} : Placed{b, pose_b};
-    const Vec3& half = corner_of_b ? half_a : half_b;
+    const Mat3 &rotation = (corner_of_b ? pose_a : pose_b).rotation, &other = (corner_of_b ? pose_b : pose_a).rotation;
+    const Vec3 &half = corner_of_b ? half_a : half_b, &other_half = corner_of_b ? half_b : half_a;
     Vec3 on_face = half * 0.5, normal;
     on_face[axis] = half[axis], normal[axis] = 1;
-    const Vec3 n = face_side.pose.rotation * normal;
-    const Vec3& other_half = corner_of_b ? half_b : half_a;
-    const Mat3& other_rotation = corner_of_b ? pose_b.rotation : pose_a.rotation;
+    const Vec3 n = rotation * normal, heights = transpose(other) * n;
     Vec3 corner;  // of the other brick, the lowest over the face
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double height = dot(n, other_rotation * Vec3{k == 0 ? 1. : 0., k == 1 ? 1. : 0., k == 2 ? 1. : 0.});
-      corner[k] = height > 0 ? -other_half[k] : other_half[k];
-    }
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = heights[k] > 0 ? -other_half[k] : other_half[k];
     const double gap = rng.below(2) == 0 ? 0 : std::pow(10.0, rng.uniform(-6, -1));
-    const Vec3 shift = face_side.pose.rotation * on_face + gap * n - other_rotation * corner;
+    const Vec3 shift = rotation * on_face + gap * n - other * corner;
     pose_b.translation = pose_a.translation + (corner_of_b ? shift : -shift);
     Comparison c({a, pose_a}, {b, pose_b});
     const auto leaf_of = [](const Model& m, std::size_t triangle) {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "limber/model.h"
-#include "pair/frames.h"
 #include "pair/placed_pair.h"
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/rounding.h"
+#include "bvh/rebuild.h"
 #include "bvh/tree.h"
 #include "reference/reference.h"
 #include "scenes/motions.h"

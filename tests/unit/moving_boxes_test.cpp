@@ -12,7 +12,6 @@
 #include <optional>
 #include <vector>
 
-#include "bvh/moving_tree.h"
 #include "bvh/tree.h"
 #include "simd/kernels.h"
 #include "support/random_scene.h"

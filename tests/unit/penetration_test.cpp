@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pair/budget_meter.h"
-#include "penetration/last_contact.h"
+#include "penetration/sweep.h"
 #include "scenes/scenes.h"
 #include "support/random_solids.h"
 #include "support/rational_sweep.h"

@@ -3,15 +3,13 @@
 
 // Roots of the coplanarity polynomial narrowed in double-double arithmetic next to exact ones: the same, and nearly
 // always found where elements are in general position.
-#include "motion/precise_root.h"
+#include "motion/element_impact.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <optional>
 
-#include "motion/exact_impact.h"
-#include "motion/impact_filter.h"
 #include "support/random_motion.h"
 
 namespace limber::testing {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/access.h"
-#include "bvh/subtree.h"
+#include "bvh/tree.h"
 #include "limber/contacts.h"
 #include "limber/distance.h"
 #include "limber/model.h"

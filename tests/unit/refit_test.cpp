@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bvh/vertex_index.h"
+#include "bvh/refit.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 #include <set>
 #include <vector>
 
-#include "bvh/refit.h"
 #include "bvh/tree.h"
 #include "scenes/motions.h"
 #include "scenes/scenes.h"

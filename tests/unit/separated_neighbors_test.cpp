@@ -10,7 +10,6 @@
 
 #include "geometry/shared_corners.h"
 #include "limber/contacts.h"
-#include "pair/frames.h"
 #include "pair/placed_pair.h"
 #include "simd/kernels.h"
 #include "support/random_geometry.h"

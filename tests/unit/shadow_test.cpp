@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Shadows of bodies that pass each other, next to distances at many times, and what they spare.
-#include "motion/rigid/shadow.h"
+#include "motion/rigid/moving_distance.h"
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@
 #include "limber/scene.h"
 #include "limber/solids.h"
 #include "scenes/scenes.h"
-#include "solid/exact_point.h"
+#include "solid/probe.h"
 #include "support/random_geometry.h"
 #include "support/random_solids.h"
 #include "support/rational_winding.h"

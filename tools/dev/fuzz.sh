@@ -64,16 +64,8 @@ while (($#)); do
   esac
   shift || die "an option of fuzz has no value"
 done
-[[ $seconds =~ ^[1-9][0-9]*$ ]] || die "'$seconds' is not a number of seconds"
-for target in "${targets[@]}"; do
-  [[ " ${all_targets[*]} " == *" $target "* ]] || die "no fuzz target is called '$target'; there are: ${all_targets[*]}"
-done
-if [[ -n $replay ]]; then
-  ((${#targets[@]} == 1)) || die "name the target to replay '$replay' with"
-  [[ -r $replay ]] || die "cannot read '$replay'"
-elif ((${#targets[@]} == 0)); then
-  targets=("${all_targets[@]}")
-fi
+if ((${#targets[@]} == 0)); then targets=("${all_targets[@]}"); fi
+[[ -z $replay || ${#targets[@]} == 1 ]] || die "name the target to replay '$replay' with"
 need build io fuzz
 configure fuzz "${options[@]}"
 build fuzz --target "${targets[@]/#/fuzz_}"

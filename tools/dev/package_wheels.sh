@@ -140,17 +140,6 @@ try_sources() {
   say "the archive of sources builds and answers on Debian bookworm"
 }
 
-# try_all VERSION: what there is to try with the wheel of that version.
-try_all() {
-  if [[ $1 == 3.12 ]]; then
-    run_tests_of 3.12
-    try trixie 3.13
-    try sid 3.14
-    try_arm
-  fi
-  try bookworm "$1"
-}
-
 is_tried=1
 if [[ ${1:-} == --build ]]; then is_tried=0 && shift; fi
 pythons=(3.12 3.11 3.10)
@@ -160,15 +149,21 @@ rm -rf -- "$folder"
 mkdir -p -- "$folder"
 for python in "${pythons[@]}"; do
   wheel "$python" x86_64-linux-gnu manylinux_2_28_x86_64
-  if [[ $python == 3.12 ]]; then
-    wheel 3.12 aarch64-linux-gnu
-  fi
+  if [[ $python == 3.12 ]]; then wheel 3.12 aarch64-linux-gnu; fi
 done
 (cd -- "$root" && "$tools/python" -m build --sdist --outdir "$folder") </dev/null >"$folder/log-sdist" 2>&1 ||
   die "$(tail -n 40 -- "$folder/log-sdist")"
 check
 if ((is_tried)); then
-  for python in "${pythons[@]}"; do try_all "$python"; done
+  for python in "${pythons[@]}"; do
+    if [[ $python == 3.12 ]]; then
+      run_tests_of 3.12
+      try trixie 3.13
+      try sid 3.14
+      try_arm
+    fi
+    try bookworm "$python"
+  done
   try_sources
 fi
 say "wheels are in ${folder#"$root/"}: $(cd -- "$folder" && echo *.whl *.tar.gz)"

@@ -4,15 +4,17 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "limber/limber.h"
+#include "tables.h"
 
-/// Arguments and results as JSON, with the names of the JavaScript package. Decimals give back the bits of the numbers.
+/// Arguments and answers as JSON, with the names of the JavaScript package. Decimals give back the bits of the numbers.
 namespace limber::web {
 
 using nlohmann::json;
@@ -43,97 +45,38 @@ inline std::vector<Vec3> rounded(std::vector<Vec3> positions, bool is_float32) {
   return positions;
 }
 
-// --- results ---
+// --- answers ---
 
 /// JSON has no number for infinity, so a text stands for it.
 inline json of(double x) { return std::isfinite(x) ? json(x) : json("Infinity"); }
 inline json of(const Vec3& v) { return {v.x, v.y, v.z}; }
 inline json of(const Transform& pose) { return matrix_of(pose, MatrixOrder::column_major); }
-inline json of(const QueryStats& stats) {
-  return {{"nodeTests", stats.node_tests}, {"primitiveTests", stats.primitive_tests}};
+inline json of(std::uint32_t id) { return id; }
+inline json of(std::uint8_t number) { return number; }
+
+/// Answers as the tables that JavaScript reads, by the names of their columns.
+template <typename Answer>
+json columns(std::span<const Answer> answers) {
+  json table;
+  const auto add = [&](const auto& column) {
+    json& numbers = table[column.name] = json::array();
+    for (const Answer& answer : answers) {
+      for (const auto number : numbers_of(std::invoke(column.part, answer))) numbers.push_back(of(number));
+    }
+  };
+  std::apply([&](const auto&... all) { (add(all), ...); }, columns_of(static_cast<const Answer*>(nullptr)));
+  return table;
 }
 
-template <typename Enum, std::size_t count>
-const char* name_in(const char* const (&names)[count], Enum value) {
-  return names[static_cast<std::size_t>(value)];
+template <typename Answer>
+json each(const std::vector<Answer>& answers) {
+  return columns(std::span<const Answer>(answers));
 }
 
-inline json of(const Witness& w) {
-  return {
-      {"pointA", of(w.point_a)}, {"pointB", of(w.point_b)}, {"triangleA", w.triangle_a}, {"triangleB", w.triangle_b}};
-}
-
-inline json of(const Feature& feature) {
-  return {{"kind", name_in({"vertex", "edge", "face"}, feature.kind)}, {"index", feature.index}};
-}
-
-inline json of(const ElementPair& pair) {
-  return {{"kind", name_in({"vertexFace", "faceVertex", "edgeEdge"}, pair.kind)}, {"a", pair.a}, {"b", pair.b}};
-}
-
-inline json of(const SurfacePoint& p) {
-  return {{"distance", of(p.distance)},
-          {"position", of(p.position)},
-          {"triangle", p.triangle},
-          {"weights", of(p.weights)},
-          {"feature", of(p.feature)}};
-}
-
-template <typename T>
-json or_null(const std::optional<T>& value) {
-  return value ? of(*value) : json(nullptr);
-}
-
-/// A result that has a witness and statistics, with what else it has.
-template <typename Found>
-json with_witness(const Found& r, json others) {
-  others["witness"] = or_null(r.witness), others["stats"] = of(r.stats);
-  others["stoppedBy"] = name_in({"nothing", "deadline", "maxSteps"}, r.stopped_by);
-  return others;
-}
-
-inline json of(const DistanceResult& r) {
-  const char* const status = name_in({"exact", "withinError", "collision", "beyondLimit", "interrupted"}, r.status);
-  return with_witness(r, {{"lower", of(r.lower)}, {"upper", of(r.upper)}, {"status", status}});
-}
-
-inline json of(const CollideResult& r) {
-  const char* const answer = name_in({"no", "yes", "undecided"}, r.answer);
-  return with_witness(r, {{"answer", answer}, {"isYes", r.is_yes()}, {"isNo", r.is_no()}});
-}
-
-inline json of(const Contact& c) {
-  return {{"distance", of(c.distance)},  {"depth", of(c.depth)},
-          {"pointA", of(c.point_a)},     {"pointB", of(c.point_b)},
-          {"normal", of(c.normal)},      {"weightsA", of(c.weights_a)},
-          {"weightsB", of(c.weights_b)}, {"triangleA", c.triangle_a},
-          {"triangleB", c.triangle_b},   {"featureA", of(c.feature_a)},
-          {"featureB", of(c.feature_b)}, {"normalSide", name_in({"unknown", "outward", "inward"}, c.normal_side)}};
-}
-
-inline json of(ImpactStatus status) { return name_in({"clear", "contact", "initialContact", "undecided"}, status); }
-
-inline json of(const ImpactResult& r) {
-  return with_witness(r, {{"status", of(r.status)},
-                          {"lower", of(r.lower)},
-                          {"upper", of(r.upper)},
-                          {"elements", or_null(r.elements)},
-                          {"normal", of(r.normal)}});
-}
-
-inline json of(const PathImpact& r) {
-  return with_witness(
-      r,
-      {{"status", of(r.status)}, {"time", of(r.time)}, {"distanceCount", r.distance_count}, {"normal", of(r.normal)}});
-}
-
-inline json of(const PointResult& r) { return {{"closest", or_null(r.closest)}, {"stats", of(r.stats)}}; }
-
-inline json of(const SignedDistance& r) {
-  return {{"closest", or_null(r.closest)},
-          {"stats", of(r.stats)},
-          {"isInside", r.is_inside},
-          {"distance", of(r.closest ? r.distance() : infinity)}};
+/// One answer: a table of one row.
+template <typename Answer>
+json of(const Answer& answer) {
+  return columns(std::span(&answer, 1));
 }
 
 inline json of(const ClosestObjectsResult& found) {
@@ -141,20 +84,15 @@ inline json of(const ClosestObjectsResult& found) {
   return {{"objects", pair.a == no_id ? json(nullptr) : json{pair.a, pair.b}}, {"result", of(found.result)}};
 }
 
-/// What is there for each of several things.
-template <typename T>
-json each(const std::vector<T>& values) {
-  json list = json::array();
-  for (const T& value : values) list.push_back(of(value));
-  return list;
-}
-
 /// All contacts that visit(visitor) finds.
 template <typename Visit>
 json contacts_of(const Visit& visit) {
   std::vector<Contact> found;
   const PairCount count = visit([&](const Contact& contact) { return found.push_back(contact), true; });
-  return {{"count", found.size()}, {"isComplete", true}, {"all", each(found)}, {"stats", of(count.stats)}};
+  json table = each(found);
+  table["count"] = found.size(), table["isComplete"] = true;
+  table["stats"] = {{"nodeTests", count.stats.node_tests}, {"primitiveTests", count.stats.primitive_tests}};
+  return table;
 }
 
 }  // namespace limber::web

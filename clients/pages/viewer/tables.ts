@@ -95,7 +95,7 @@ export function showModels(data: Data, models: readonly Model[]): void {
   const partCount = (model: Model): number =>
     data.parts.model.filter((number) => data.models[number] === model.data).length;
   const columns: [string, (model: Model, side: number) => Cell | undefined][] = [
-    ['Name', ({ data: { name } }, i) => element('span', 'wrapping', ...(isOfOnePair(data) ? [letter(i)] : []), name)],
+    ['Name', ({ data: { name } }, i) => element('span', '', ...(isOfOnePair(data) ? [letter(i)] : []), name)],
     ['Parts', (model) => (data.kind === 'parts' ? grouped(partCount(model)) : undefined)],
     ['Triangles', ({ data }) => grouped(data.triangles)],
     ['Vertices', ({ data }) => grouped(data.vertices)],
@@ -103,8 +103,7 @@ export function showModels(data: Data, models: readonly Model[]): void {
     ['Surface', ({ data: { closed } }) => (closed === undefined ? closed : closed ? 'closed' : 'not closed')],
     [
       'Size of its box',
-      ({ data: { low, high } }) =>
-        low && element('span', 'wrapping', withUnit(high!.map((c, axis) => shown(c - low[axis])).join(' \u00d7 '))),
+      ({ data: { low, high } }) => low && withUnit(high!.map((c, axis) => shown(c - low[axis])).join(' \u00d7 ')),
     ],
     ['Deforms', ({ deforms }) => (data.kind === 'frames' ? (deforms ? 'yes' : 'no') : undefined)],
   ];

@@ -8,25 +8,19 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "base/arguments.h"
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "base/float_environment.h"
 #include "limber/path.h"
+#include "motion/element_impact.h"
 #include "motion/rigid/moving_distance.h"
-#include "motion/rigid/path_motion.h"
-#include "motion/rigid/shadow.h"
+#include "pair/pair_walk.h"
 
 namespace limber {
 namespace motion {
 namespace {
-
-void require(bool holds, const char* function, const char* what) {
-  LIMBER_REQUIRE(holds, (std::string(function) + ": " + what).c_str());
-}
 
 /// The gap at a time: by how much the distance exceeds the separation.
 struct Gap {
@@ -104,6 +98,9 @@ PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions&
 /// A piece of time, and lower bounds of the distances at its ends and in between.
 struct Piece {
   double begin, end, at_begin, at_end, bound;
+
+  // Both halves of a piece have the same bound, but for rounding.
+  bool comes_before(const Piece& p) const { return bound != p.bound ? bound < p.bound : begin < p.begin; }
 };
 
 PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
@@ -123,32 +120,23 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   const auto piece = [&](double begin, double end, double at_begin, double at_end) {
     return Piece{begin, end, at_begin, at_end, std::max(0.0, 0.5 * (at_begin + at_end - moving.most_in(end - begin)))};
   };
-  // Both halves of a piece have the same bound, but for rounding. Standard libraries differ in how heaps order ties.
-  const auto has_larger_bound = [](const Piece& p, const Piece& q) {
-    return p.bound != q.bound ? p.bound > q.bound : p.begin > q.begin;
-  };
-  double least = 0;           // a lower bound for all times
-  std::vector<Piece> pieces;  // a heap with the least bound first
-  const auto add = [&](const Piece& p) {
-    pieces.push_back(p);
-    std::push_heap(pieces.begin(), pieces.end(), has_larger_bound);
-  };
+  double least = 0;  // a lower bound for all times
+  pair::HeapOrder<Piece> pieces;
   const std::optional<double> first = lower_at(0), last = first ? lower_at(options.max_time) : first;
-  if (first && last) add(piece(0, options.max_time, *first, *last));
-  while (!pieces.empty() && result.upper - std::max(pieces.front().bound, least) > error()) {
+  if (first && last) pieces.push(piece(0, options.max_time, *first, *last));
+  while (!pieces.empty() && result.upper - std::max(pieces.next().bound, least) > error()) {
     least = std::max(least, moving.least_until(options.max_time, 0.5 * error()));
-    const Piece p = pieces.front();
+    const Piece p = pieces.next();
     LIMBER_ASSERT(p.begin < p.end && p.bound >= 0);
     // Where the bounds from both ends meet.
     const double meets = p.begin + 0.5 * (p.end - p.begin) + 0.5 * (moving.time_for(p.at_begin - p.at_end));
     const double middle = std::clamp(meets, p.begin, p.end);
     const std::optional<double> there = p.begin < middle && middle < p.end ? lower_at(middle) : std::nullopt;
     if (!there) break;  // the budget is spent; or nothing moves in so short a time
-    std::pop_heap(pieces.begin(), pieces.end(), has_larger_bound);
-    pieces.pop_back();
-    add(piece(p.begin, middle, p.at_begin, *there)), add(piece(middle, p.end, *there, p.at_end));
+    pieces.take();
+    pieces.push(piece(p.begin, middle, p.at_begin, *there)), pieces.push(piece(middle, p.end, *there, p.at_end));
   }
-  result.lower = pieces.empty() ? 0 : std::min(std::max(pieces.front().bound, least), result.upper);
+  result.lower = pieces.empty() ? 0 : std::min(std::max(pieces.next().bound, least), result.upper);
   result.distance_count = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
   return result;
 }
