@@ -47,7 +47,7 @@ endif()
 list(APPEND LIMBER_LIBRARY_PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
   CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-# A shared library shows what limber/export.h marks. The linker hides what headers of others leave in it: their marks say
+# A shared library shows what LIMBER_API marks. The linker hides what headers of others leave in it: their marks say
 # otherwise.
 if(BUILD_SHARED_LIBS AND UNIX AND NOT APPLE)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/limber.map.in ${PROJECT_BINARY_DIR}/limber.map @ONLY)

@@ -75,7 +75,7 @@ def stage(folder: Path) -> None:
 
 def write_interfaces(folder: Path) -> None:
     """A page for each public header, and one for the Python package."""
-    headers = sorted(file.name for file in (ROOT / "include/limber").glob("*.h") if file.name not in ("limber.h", "export.h"))
+    headers = sorted(file.name for file in (ROOT / "include/limber").glob("*.h") if file.name != "limber.h")
     cpp = folder / "api/cpp"
     cpp.mkdir(parents=True)
     for header in headers:

@@ -12,7 +12,13 @@
 #include <utility>
 #include <variant>
 
-#include "limber/export.h"
+/// Marks what a shared library shows to programs; all other names stay inside. A static library shows nothing, so that
+/// a shared library of somebody else's that contains limber does not show limber's names.
+#if defined(__GNUC__) && !defined(LIMBER_STATIC)
+#define LIMBER_API __attribute__((visibility("default")))
+#else
+#define LIMBER_API
+#endif
 
 /// Ids, errors and results shared by every header of the library.
 namespace limber {

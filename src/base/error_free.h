@@ -2,7 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Sums and products of two doubles without error, as two doubles. [Shewchuk1997], [Dekker1971]
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+/// Doubles without error: sums and products of two as two, [Shewchuk1997], [Dekker1971], and their parts.
 namespace limber::base {
 
 /// A number as a sum of two doubles: `high` is the sum, rounded.
@@ -32,5 +37,28 @@ inline DoublePair two_product(double x, double y) {
   const double error = ((a.high * b.high - product) + a.high * b.low + a.low * b.high) + a.low * b.low;
   return {product, error};
 }
+
+/// A finite double as m 2^exponent, exact: m is odd, or 0.
+struct Decoded {
+  std::int64_t m;
+  int exponent;  ///< for 0 the largest int, so that minima ignore it
+
+  explicit Decoded(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const auto biased = static_cast<int>(bits >> 52 & 0x7ff);
+    std::uint64_t size = bits & (~std::uint64_t{0} >> 12);
+    if (biased != 0) size |= std::uint64_t{1} << 52;
+    const int zeros = std::countr_zero(size);
+    m = size == 0 ? 0 : static_cast<std::int64_t>(size >> zeros);
+    if (bits >> 63 != 0) m = -m;
+    exponent = m == 0 ? std::numeric_limits<int>::max() : std::max(biased, 1) - 1075 + zeros;
+  }
+
+  /// The number divided by 2^unit. Pre: it is a multiple of that.
+  template <typename Integer>
+  Integer in(int unit) const {
+    return m == 0 ? Integer(0) : Integer(Integer(m) << static_cast<unsigned>(exponent - unit));
+  }
+};
 
 }  // namespace limber::base

@@ -21,12 +21,6 @@ inline constexpr double tiny_square = 0x1p-900;
 /// digits that matter. A size is a sum of coordinates relative to a corner, 1 to 9 times the largest.
 inline constexpr double smallest_unscaled_size = 0x1p-96, largest_unscaled_size = 0x1p100;
 
-/// At least x + y for x, y >= 0; exact when either is 0.
-inline double add_up(double x, double y) {
-  if (x == 0 || y == 0) return x + y;
-  return (x + y) * (1 + 0x1p-51);
-}
-
 /// At least the distance of the stored points, and 0 when they are equal.
 inline double distance_up(const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;

@@ -27,8 +27,8 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
+#include "base/memory.h"
 #include "base/parallel.h"
-#include "base/prefetch.h"
 #include "base/rounding.h"
 #include "bvh/tree.h"
 #include "simd/kernels.h"

@@ -13,7 +13,7 @@
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "base/uninitialized.h"
+#include "base/memory.h"
 #include "geometry/local_frame.h"
 #include "layout/node.h"
 #include "limber/base.h"

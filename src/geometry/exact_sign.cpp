@@ -7,7 +7,7 @@
 //           the integer-like inputs that fail it most often have short sums. Coordinates are scaled by a power of two
 //           first; where they differ so much in size that a product could still leave the range of double, integers of
 //           a fixed size decide, so there is no input for which the sign is not exact, and none that allocates.
-#include "geometry/exact_sign.h"
+#include "geometry/plane_sides.h"
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,6 @@
 #include <limits>
 
 #include "base/check.h"
-#include "base/decoded.h"
 #include "base/error_free.h"
 
 namespace limber::geometry {

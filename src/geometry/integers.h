@@ -6,7 +6,7 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "base/decoded.h"
+#include "base/error_free.h"
 #include "limber/geometry.h"
 
 /// Coordinates as integers, for what is decided exactly.

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "geometry/exact_sign.h"
 #include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
 

@@ -31,9 +31,6 @@ inline void require_rigid(const Transform& transform, const char* name) {
   if (!geometry::is_rigid(transform)) throw_not_rigid(transform, name);
 }
 
-/// An upper bound of how much a rotation stretches any vector: 1 if it is exact, a little more after rounding.
-double max_stretch(const Mat3& rotation);
-
 /// The inverse of a matrix that is nearly a rotation; unlike the transpose, as exact as float64 allows.
 inline Mat3 inverse_of(const Mat3& m) {
   const Vec3 c0 = cross(m.row1, m.row2), c1 = cross(m.row2, m.row0), c2 = cross(m.row0, m.row1);

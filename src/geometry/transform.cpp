@@ -61,11 +61,6 @@ void geometry::throw_not_rigid(const Transform& transform, const std::string& na
   base::throw_invalid_argument((name + ' ' + why_not_rigid(transform)).c_str());
 }
 
-double geometry::max_stretch(const Mat3& rotation) {
-  // |R v|^2 = v.v + v.(R^T R - I) v <= (1 + e) |v|^2; the last term covers the rounding of e itself.
-  return std::sqrt(1 + max_abs(orthonormality_errors(rotation))) + 0x1p-48;
-}
-
 bool is_rigid(const Transform& transform) {
   const base::DefaultFloatEnvironment environment;
   return environment.computed_before_restore(geometry::is_rigid(transform));

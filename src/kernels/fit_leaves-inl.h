@@ -15,7 +15,7 @@
 #include <span>
 
 #include "base/error_bounds.h"
-#include "base/prefetch.h"
+#include "base/memory.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "base/uninitialized.h"
+#include "base/memory.h"
 #include "geometry/primitives.h"
 #include "limber/mesh.h"
 

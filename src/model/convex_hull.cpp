@@ -6,24 +6,13 @@
 #include <cstddef>
 #include <iterator>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "base/check.h"
-#include "geometry/primitives.h"
+#include "geometry/collinear.h"
 
 namespace limber::model {
 namespace {
-
-bool is_before(const Vec3& p, const Vec3& q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); }
-
-/// An axis along which three points do not look collinear; none if they are.
-std::optional<std::size_t> axis_of_area(const Vec3& p, const Vec3& q, const Vec3& r) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (geometry::orient2d(p, q, r, axis) != 0) return axis;
-  }
-  return std::nullopt;
-}
 
 /// A convex surface that grows from a tetrahedron, point by point.
 class GrowingHull {
@@ -111,12 +100,12 @@ std::vector<Corners> flat_hull(std::span<const Vec3> points, const Corners& firs
 Hull convex_hull(std::span<const Vec3> points) {
   LIMBER_ASSERT(!points.empty() && points.size() < no_id);
   const auto count = static_cast<VertexId>(points.size());
-  const auto [least, most] = std::minmax_element(points.begin(), points.end(), is_before);
+  const auto [least, most] = std::minmax_element(points.begin(), points.end(), geometry::lexicographically_less);
   const auto p = static_cast<VertexId>(least - points.begin()), q = static_cast<VertexId>(most - points.begin());
   VertexId r = 0, s = 0;
   std::optional<std::size_t> axis;
   for (; r < count; ++r) {
-    axis = axis_of_area(points[p], points[q], points[r]);
+    axis = geometry::faithful_axis(points[p], points[q], points[r]);
     if (axis) break;
   }
   if (!axis) return with_used_points(points, {{p, q, q}}, false);  // on a line these two are its ends

@@ -19,7 +19,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/decoded.h"
+#include "base/error_free.h"
 #include "geometry/primitives.h"
 #include "motion/polynomial.h"
 

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "base/decoded.h"
+#include "base/error_free.h"
 #include "geometry/collinear.h"
 #include "geometry/primitives.h"
 

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "base/decoded.h"
+#include "base/error_free.h"
 #include "base/float_environment.h"
 #include "base/parallel.h"
 #include "base/rounding.h"
@@ -78,9 +78,7 @@ TEST(AssertHandler, ThrowsByDefaultAndCanBeReplaced) {
   EXPECT_THROW(base::report_violation("1 == 2", "file.cpp", 3), std::logic_error);
 }
 
-TEST(Rounding, SumsAndDistancesErrOnTheirSide) {
-  EXPECT_EQ(base::add_up(0, 3), 3);
-  EXPECT_GT(base::add_up(1, 0x1p-60), 1);
+TEST(Rounding, DistancesErrOnTheirSide) {
   const Vec3 a{1, 1, 1}, b{2, 2, 2};
   EXPECT_GT(base::distance_up(a, b), std::sqrt(3.0));
   EXPECT_LT(base::distance_down(a, b), std::sqrt(3.0));

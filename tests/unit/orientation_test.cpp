@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/plane_sides.h"
 #include "limber/geometry.h"
 #include "support/random_geometry.h"
 #include "support/rational_geometry.h"

@@ -82,20 +82,6 @@ TEST(Transform, ErrorsSayWhatIsNotRigid) {
   EXPECT_NE(text_of(turned(0, 0, 0)).find("scales by 0"), std::string::npos);
 }
 
-TEST(Transform, StretchBoundIsNeverBelowTheTrueStretch) {
-  Rng rng(2);
-  for (int i = 0; i < 200; ++i) {
-    Mat3 m = scenes::random_rotation(rng);
-    m.row0 += uniform_point(rng) * 1e-3;
-    const double bound = geometry::max_stretch(m);
-    EXPECT_GE(bound, 1);
-    for (int k = 0; k < 50; ++k) {
-      const Vec3 v = uniform_point(rng);
-      EXPECT_LE(length(m * v), bound * length(v));
-    }
-  }
-}
-
 const std::vector<Corners> one_triangle{{0, 1, 2}};
 
 TEST(PositionsView, ReadsPackedCoordinatesOfEitherPrecision) {

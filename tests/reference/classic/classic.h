@@ -124,6 +124,12 @@ class Placed {
   const Model* model_;
 };
 
+/// At least x + y for x, y >= 0; exact when either is 0.
+inline double add_up(double x, double y) {
+  if (x == 0 || y == 0) return x + y;
+  return (x + y) * (1 + 0x1p-51);
+}
+
 /// Queries as those of limber/distance.h, without cache and budget.
 ///
 /// Pre      Both models are committed, and both poses are rigid.

@@ -23,11 +23,22 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// An upper bound of how much a rotation R stretches any vector: |R v|^2 <= (1 + e) |v|^2 if e is the largest sum of a
+/// row of |R^T R - I|. The last term covers the rounding of e itself.
+double max_stretch(const Mat3& rotation) {
+  const Mat3 product = transpose(rotation) * rotation;
+  const auto sum = [](const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+  const Mat3 unit;
+  return std::sqrt(1 + std::max({sum(product.row0 - unit.row0), sum(product.row1 - unit.row1),
+                                 sum(product.row2 - unit.row2)})) +
+         0x1p-48;
+}
+
 /// A model's tree as it stands in the world.
 class PlacedTree {
  public:
   explicit PlacedTree(const Placed& placed)
-      : tree_(placed.model().tree()), pose_(placed.pose), stretch_(geometry::max_stretch(placed.pose.rotation)) {
+      : tree_(placed.model().tree()), pose_(placed.pose), stretch_(max_stretch(placed.pose.rotation)) {
     LIMBER_ASSERT(placed.model().is_committed());
     LIMBER_ASSERT(geometry::is_rigid(placed.pose));
   }
@@ -118,7 +129,7 @@ class Descent {
   /// the subtraction and of itself.
   double lower_bound(const Sphere& a, const Sphere& b) {
     ++stats_.node_tests;
-    const double radius_sum = base::add_up(base::add_up(a.radius, b.radius), error_);
+    const double radius_sum = add_up(add_up(a.radius, b.radius), error_);
     return std::max(0.0, (base::distance_down(a.center, b.center) - radius_sum) * (1 - 0x1p-52));
   }
 

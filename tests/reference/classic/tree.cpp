@@ -30,7 +30,7 @@ double radius_around(const Vec3& center, const Triangle& t) {
 }
 
 double radius_around(const Vec3& center, const Sphere& s) {
-  return base::add_up(base::distance_up(center, s.center), s.radius);
+  return add_up(base::distance_up(center, s.center), s.radius);
 }
 
 /// Center of the smallest sphere: the middle of the longest edge where the angle opposite to it is right or obtuse,
