@@ -91,6 +91,12 @@ TEST(Orientation, AgreesWithRationalsAndChangesSignWithEverySwap) {
   }
 }
 
+TEST(Orientation, IsExactFromTheSmallestToTheLargestNumberAtOnce) {
+  const double small = 0x1p-1074, large = 0x1p1023;
+  EXPECT_EQ(orient3d({}, {large, small, 0}, {0, large, 0}, {0, 0, large}), 1);
+  EXPECT_EQ(orient3d({}, {large, small, 0}, {0, 0, large}, {0, large, 0}), -1);
+}
+
 TEST(Orientation, IsExactWhereAProductUnderflowsInTheFilter) {
   // 1.49 of the smallest double rounds to 1, which turns 1.49 - 1.2 > 0 into 1 - 1.2 < 0.
   const Vec3 origin{0, 0, 0}, p{0, 0, 0x1p-537}, q{1.49 * 0x1p-537, 0x1p-537, 0}, r{1.2 * 0x1p200, 0x1p200, 0};
