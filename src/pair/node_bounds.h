@@ -45,8 +45,12 @@ class NodeBounds {
   /// Whether a slot is not expanded: it has a leaf, or triangles below it coincide, so that no bound tells them apart.
   [[gnu::always_inline]] bool is_leaf(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
-    if constexpr (tells_coincident_apart) return bvh::has_leaf(tree(s), slot);
-    return bvh::has_leaf_or_coincides(tree(s), slot);
+    const bvh::Tree& tree = search_.placed.tree(s);
+    if constexpr (tells_coincident_apart) {
+      return bvh::has_leaf(tree, slot);
+    } else {
+      return bvh::has_leaf(tree, slot) || (bvh::is_coincident(tree, slot) && tree.slack == 0);
+    }
   }
   bool are_leaves(const NodePair& pair) const { return is_leaf(Side::a, pair) && is_leaf(Side::b, pair); }
 
