@@ -100,7 +100,7 @@ Truth truth_of(const Mesh& mesh_a, const Transform& pose_a, const Mesh& mesh_b, 
 
 /// Meshes of one scale, or of two scales up to 2^400 apart with the smaller mesh at a vertex of the larger one; meshes
 /// that are points, some far from their origin; with poses and without.
-Scene scene_of_any_scales(Rng& rng) {
+RandomScene scene_of_any_scales(Rng& rng) {
   if (rng.below(2) == 0) return arbitrary_scene(rng);
   const double large = std::ldexp(1.0, static_cast<int>(rng.below(300)) - 160);
   const double small = std::ldexp(large, -static_cast<int>(rng.below(400)));
@@ -166,7 +166,7 @@ TEST(ExactScenes, OfAnyScalesAreAnsweredWithinTheStatedError) {
   std::uint64_t i = 0, meeting = 0;
   for (; i < scenes && !HasFatalFailure(); ++i) {
     SCOPED_TRACE("scene " + std::to_string(i));
-    const Scene s = scene_of_any_scales(rng);
+    const RandomScene s = scene_of_any_scales(rng);
     const Model a(s.mesh_a), b(s.mesh_b);
     check(a, s.pose_a, b, s.pose_b, rng, nullptr);
     meeting += collide({a, s.pose_a}, {b, s.pose_b}).is_yes() ? 1 : 0;

@@ -73,7 +73,7 @@ TEST(Displacements, KeepElementsApart) {
   for (int i = 0; i < 300 && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
     const bool is_along = i % 2 == 0;  // motions, at any pace; otherwise in any direction
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     const double unit = s.size / 20;
     const double separation = rng.below(2) == 0 ? 0 : unit * std::ldexp(1.0, -static_cast<int>(rng.below(8)));
     const std::vector<Vec3> end_a = wished_ends(rng, s.mesh_a, s.pose_a, unit);

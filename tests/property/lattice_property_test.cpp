@@ -63,7 +63,7 @@ Mesh lattice_mesh(Rng& rng) {
 }
 
 /// Two such meshes, or one and itself turned or mirrored, at integer places.
-Scene lattice_scene(Rng& rng) {
+RandomScene lattice_scene(Rng& rng) {
   Mesh a = lattice_mesh(rng), b = lattice_mesh(rng);
   if (rng.below(2) == 0) {
     const Mat3 m = lattice_rotation(rng, true);
@@ -94,7 +94,7 @@ TEST_F(LatticeProperty, OfTwoModels) {
   Rng rng(1601);
   int meeting = 0;
   for (std::size_t i = 0; i < 8000; ++i) {
-    const Scene s = lattice_scene(rng);
+    const RandomScene s = lattice_scene(rng);
     choose_kernels(i);
     const Model a(s.mesh_a), b(s.mesh_b);
     const Placed pa{a, s.pose_a}, pb{b, s.pose_b};
@@ -135,7 +135,7 @@ TEST_F(LatticeProperty, OfOneModel) {
 TEST_F(LatticeProperty, OfElements) {
   Rng rng(1604);
   for (std::size_t i = 0; i < 1500; ++i) {
-    const Scene s = lattice_scene(rng);
+    const RandomScene s = lattice_scene(rng);
     choose_kernels(i);
     const Model a(s.mesh_a), b(s.mesh_b);
     const double margin = 0.45;  // of no two lattice elements the distance, up to rounding

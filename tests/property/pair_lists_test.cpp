@@ -179,7 +179,7 @@ struct Totals {
 
 // --- two models ---
 
-void check_elements(const Scene& s, double margin, Totals& totals) {
+void check_elements(const RandomScene& s, double margin, Totals& totals) {
   const Model model_a(s.mesh_a), model_b(s.mesh_b);
   const ElementPairs found = visited_elements([&](VertexFaceVisitor vertex_face, EdgeEdgeVisitor edge_edge) {
     return visit_element_pairs({model_a, s.pose_a}, {model_b, s.pose_b}, margin, vertex_face, edge_edge);
@@ -193,7 +193,7 @@ TEST(ContactsProperty, AreThoseOfBruteForceInRandomScenes) {
   Totals totals;
   for (int i = 0; i < 120 && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     const Model model_a(s.mesh_a), model_b(s.mesh_b);
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
     const reference::Placed twin_a{s.mesh_a, s.pose_a}, twin_b{s.mesh_b, s.pose_b};

@@ -53,7 +53,7 @@ void check_points(Rng& rng, const Placed& model, double size, int count, const s
 TEST(PointsProperty, AreThoseOfBruteForceInAnyScene) {
   Rng rng(801);
   for (int i = 0; i < 1500 && !HasFatalFailure(); ++i) {
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     const Model model(s.mesh_a);
     check_points(rng, {model, s.pose_a}, s.size / 4, 10, "scene " + std::to_string(i));
   }
@@ -80,7 +80,7 @@ TEST(PointsProperty, AreThoseOfBruteForceAtEveryScale) {
 TEST(PointsProperty, AreThoseOfBruteForceWhileModelsDeform) {
   Rng rng(803);
   for (int i = 0; i < 150 && !HasFatalFailure(); ++i) {
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     Model model(s.mesh_a);
     const double size = s.size / 4;
     for (int step = 0; step < 6 && !HasFatalFailure(); ++step) {

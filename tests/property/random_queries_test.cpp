@@ -33,7 +33,7 @@ TEST(BruteForce, EqualsTheReferenceToTheBitWhateverItSkips) {
   Rng rng(92);
   int contacts = 0;
   for (int i = 0; i < 1000; ++i) {
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     const double truth = reference::distance({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}).upper;
     ASSERT_EQ(brute_force_distance({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}), truth) << "scene " << i;
     contacts += truth == 0 ? 1 : 0;
@@ -48,7 +48,7 @@ TEST(RandomQueries, OfTheFastEngineEqualTheReferenceOnEveryInstructionSet) {
   double worst = 0;  // difference from the truth, as a fraction of the size
   for (int scene = 0; queries < 200'000; ++scene) {
     SCOPED_TRACE("scene " + std::to_string(scene));
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     const Model model_a(s.mesh_a), model_b(s.mesh_b);
     ASSERT_TRUE(static_cast<bool>(model_a.validate()));
     const Placed a{model_a, s.pose_a}, b{model_b, s.pose_b};
@@ -91,7 +91,7 @@ Transform step_from(Rng& rng, const Transform& pose, const Transform& home, doub
 
 RC_GTEST_PROP(FastEngine, CachesAreRightAlongAnyMotion, (std::uint64_t seed)) {
   Rng rng(seed);
-  Scene s = arbitrary_scene(rng);
+  RandomScene s = arbitrary_scene(rng);
   const Model model_a(s.mesh_a), model_b(s.mesh_b);
   const Transform home_a = s.pose_a, home_b = s.pose_b;
   QueryCache cache;
@@ -124,7 +124,7 @@ void ask_for_ties(Rng& rng, const Placed& a, const Placed& b, QueryCache& cache,
 
 RC_GTEST_PROP(FastEngine, WithinIsThatOfComparingAllPairsWithAnyCache, (std::uint64_t seed)) {
   Rng rng(seed);
-  Scene s = arbitrary_scene(rng);
+  RandomScene s = arbitrary_scene(rng);
   const Model model_a(s.mesh_a), model_b(s.mesh_b);
   const Transform home = s.pose_b;
   QueryCache cache;
@@ -174,7 +174,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
   const std::uint64_t count = count_from("LIMBER_INTERRUPTED_QUERIES", 30000);
   std::uint64_t interrupted = 0, undecided = 0, contacts = 0, narrowed = 0;
   for (std::uint64_t asked = 0; asked < count;) {
-    Scene s = arbitrary_scene(rng);
+    RandomScene s = arbitrary_scene(rng);
     const ModelOptions options[] = {
         {}, {.motion_margin = 0.05 * s.size}, {.motion_margin = 0.001 * s.size}, ModelOptions::real_time(1)};
     Model model_a(s.mesh_a, options[rng.below(4)]), model_b(s.mesh_b);
@@ -213,7 +213,7 @@ TEST(InterruptedQueries, HoldTheTruthWhateverMovesInBetween) {
 }
 
 /// Two soups at 2^-1074 to 2^-300, a few of their own sizes apart or in each other.
-Scene tiny_scene(Rng& rng) {
+RandomScene tiny_scene(Rng& rng) {
   const double size = std::ldexp(1.0, -300 - static_cast<int>(rng.below(760)));
   const auto mesh = [&] {
     std::vector<Triangle> triangles;
@@ -231,7 +231,7 @@ Scene tiny_scene(Rng& rng) {
 TEST(TinyScenes, AreAnsweredWithACacheAndABudgetAsWithout) {
   Rng rng(1601);
   for (int i = 0; i < 3000; ++i) {
-    const Scene s = tiny_scene(rng);
+    const RandomScene s = tiny_scene(rng);
     const Model model_a(s.mesh_a), model_b(s.mesh_b);
     const Placed a{model_a}, b{model_b, s.pose_b};
     const Truth truth{distance(a, b).upper, s.tolerance};

@@ -78,14 +78,14 @@ inline Mesh arbitrary_mesh(Rng& rng, std::size_t most, const Vec3& offset, doubl
   return moved(soup(triangles), offset, scale);
 }
 
-struct Scene {
+struct RandomScene {
   Mesh mesh_a, mesh_b;
   Transform pose_a, pose_b;
   double size;       // the length that rounding is relative to
   double tolerance;  // 1e-14 of it
 };
 
-inline Scene arbitrary_scene(Rng& rng) {
+inline RandomScene arbitrary_scene(Rng& rng) {
   const double scale = rng.below(4) == 0 ? std::ldexp(1.0, static_cast<int>(rng.below(300)) - 150) : 1;
   const Vec3 offset = rng.below(4) == 0 ? uniform_point(rng, -1e6, 1e6) : Vec3{};
   const std::size_t most = rng.below(5) == 0 ? 300 : 30;

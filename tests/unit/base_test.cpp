@@ -176,7 +176,7 @@ std::vector<Environment> foreign_environments() {
 }
 
 /// The bits of all answers of the library about a scene. They must not depend on the environment of the caller.
-std::vector<std::uint64_t> answers(const Scene& s, Rng rng) {
+std::vector<std::uint64_t> answers(const RandomScene& s, Rng rng) {
   std::vector<std::uint64_t> bits;
   const auto put = [&bits](const auto& value) {
     bits.push_back(0);
@@ -264,7 +264,7 @@ TEST(FloatEnvironment, OfTheCallerChangesNoAnswer) {
   const std::vector<Environment> environments = foreign_environments();
   Rng rng(601);
   for (int i = 0; i < 100; ++i) {
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     const std::vector<std::uint64_t> expected = answers(s, rng);
     for (const Environment& environment : environments) {
       environment.enter();

@@ -184,7 +184,7 @@ double farthest_of(const std::vector<Contact>& contacts) {
 std::vector<Contact> some_contacts(Rng& rng, double& size) {
   const std::uint64_t kind = rng.below(4);
   if (kind == 3) {
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     size = s.size;
     std::vector<Contact> found = reference::contacts({s.mesh_a, s.pose_a}, {s.mesh_b, s.pose_b}, 0.02 * s.size);
     found.resize(std::min<std::size_t>(found.size(), 1500));

@@ -97,7 +97,7 @@ TEST(ParallelPairs, AreThoseOfOneThreadInRandomScenes) {
   std::size_t total = 0;
   for (int i = 0; i < 60 && !HasFailure(); ++i) {
     SCOPED_TRACE(i);
-    const Scene s = arbitrary_scene(rng);
+    const RandomScene s = arbitrary_scene(rng);
     const Model model_a(s.mesh_a), model_b(s.mesh_b), crumpled_model(crumpled(rng));
     const double margin = rng.below(3) == 0 ? 0 : 0.05 * s.size;
     total += check_two({model_a, s.pose_a}, {model_b, s.pose_b}, margin);
