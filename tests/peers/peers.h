@@ -59,7 +59,7 @@ inline reference::Placed in_reference(const Placed& placed) { return {placed.mod
 /// Each point lies on the triangle that the witness names, and they are `distance` apart. Where that is 0, they are one
 /// point, and the triangles intersect.
 inline void expect_witness(const Placed& a, const Placed& b, const Witness& w, double distance, double tolerance) {
-  EXPECT_EQ(wrong_witness(w, a, b, distance, {distance, tolerance}), "");
+  EXPECT_EQ(wrong_witness(w, a, b, distance, distance == 0, {distance, tolerance}), "");
 }
 
 /// What all queries of two models answer in agreement with each other and with brute force: their distance.

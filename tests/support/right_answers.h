@@ -44,8 +44,11 @@ inline double sliver_tolerance(const Triangle& a, const Triangle& b, double size
 /// How far apart points are, also where squares of differences underflow.
 inline double distance_between(const Vec3& a, const Vec3& b) { return std::hypot(b.x - a.x, b.y - a.y, b.z - a.z); }
 
+/// What is wrong with a witness of that distance. `meet` says that its triangles have to; otherwise they may be so little
+/// apart that rounding makes one point of both.
 template <typename Placed>
-std::string wrong_witness(const Witness& w, const Placed& a, const Placed& b, double distance, const Truth& truth) {
+std::string wrong_witness(const Witness& w, const Placed& a, const Placed& b, double distance, bool meet,
+                          const Truth& truth) {
   const auto in_world = [](const Placed& placed, TriangleId id) {
     const Triangle t = placed.model().mesh().triangle(id);
     return Triangle{placed.pose(t.v0), placed.pose(t.v1), placed.pose(t.v2)};
@@ -53,14 +56,14 @@ std::string wrong_witness(const Witness& w, const Placed& a, const Placed& b, do
   if (w.triangle_a >= a.model().mesh().triangles().size() || w.triangle_b >= b.model().mesh().triangles().size())
     return "there is no such triangle";
   const Triangle t = in_world(a, w.triangle_a), u = in_world(b, w.triangle_b);
-  const double off = 10 * truth.tolerance + (distance == 0 ? sliver_tolerance(t, u, truth.size) : 0);
+  const double off = 10 * truth.tolerance + (meet ? sliver_tolerance(t, u, truth.size) : 0);
   // Poses put the largest coordinates farther away than closest_points() takes, but not more than four times.
   const auto is_off = [&](const Vec3& p, const Triangle& on) {
     return !(closest_points(0.25 * p, {0.25 * on.v0, 0.25 * on.v1, 0.25 * on.v2}).distance <= 0.25 * off);
   };
   if (is_off(w.point_a, t) || is_off(w.point_b, u)) return "a point is not on its triangle";
-  if (distance == 0 && w.point_a != w.point_b) return "the shared point is two";
-  if (distance == 0 && !intersects(t, u)) return "the triangles do not meet";
+  if (meet && w.point_a != w.point_b) return "the shared point is two";
+  if (meet && !intersects(t, u)) return "the triangles do not meet";
   const double apart = distance_between(w.point_a, w.point_b);
   return std::abs(apart - distance) <= truth.tolerance + 0x1p-1021 ? "" : "the points are not as far apart";
 }
@@ -80,7 +83,8 @@ std::string wrong_answer(const DistanceResult& r, const DistanceOptions& asked, 
     const bool is_said = std::isinf(r.upper) && r.lower >= asked.max_distance;
     return is_beyond && is_said ? "" : "it is not beyond the limit";
   }
-  if (const std::string wrong = wrong_witness(*r.witness, a, b, r.upper, truth); !wrong.empty()) return wrong;
+  if (const std::string wrong = wrong_witness(*r.witness, a, b, r.upper, r.upper == 0, truth); !wrong.empty())
+    return wrong;
   if (r.status == DistanceStatus::interrupted) return "";
   const bool meets = distance == 0;
   if ((r.upper == 0) != meets || (r.status == DistanceStatus::collision) != meets)
@@ -102,7 +106,8 @@ std::string wrong_answer(const CollideResult& r, double limit, const Placed& a, 
   if (r.witness.has_value() != r.is_yes()) return "a witness is missing, or there without reason";
   if (!r.witness) return "";
   const double apart = limit == 0 ? 0 : distance_between(r.witness->point_a, r.witness->point_b);
-  return apart > limit + tolerance ? "the points are too far apart" : wrong_witness(*r.witness, a, b, apart, truth);
+  if (apart > limit + tolerance) return "the points are too far apart";
+  return wrong_witness(*r.witness, a, b, apart, limit == 0, truth);
 }
 
 /// Asks for the distance with any errors and limit, whether the models meet, or whether they are within a limit.
