@@ -44,8 +44,8 @@ inline double sliver_tolerance(const Triangle& a, const Triangle& b, double size
 /// How far apart points are, also where squares of differences underflow.
 inline double distance_between(const Vec3& a, const Vec3& b) { return std::hypot(b.x - a.x, b.y - a.y, b.z - a.z); }
 
-/// What is wrong with a witness of that distance. `meet` says that its triangles have to; otherwise they may be so little
-/// apart that rounding makes one point of both.
+/// What is wrong with a witness of that distance. `meet` says that its triangles have to; otherwise they may be so
+/// little apart that rounding makes one point of both.
 template <typename Placed>
 std::string wrong_witness(const Witness& w, const Placed& a, const Placed& b, double distance, bool meet,
                           const Truth& truth) {
