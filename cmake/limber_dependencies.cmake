@@ -36,7 +36,8 @@ function(limber_dependency name target find url hash without)
       JSON_Install CLI11_BUILD_TESTS CLI11_BUILD_EXAMPLES CLI11_BUILD_DOCS CLI11_INSTALL FMT_INSTALL)
     set(${option} OFF CACHE INTERNAL "")
   endforeach()
-  FetchContent_Declare(${name} URL ${url} URL_HASH SHA256=${hash} DOWNLOAD_EXTRACT_TIMESTAMP OFF SYSTEM ${ARGN})
+  # CMake 3.25.1 takes SYSTEM for a second hash where it stands behind that.
+  FetchContent_Declare(${name} SYSTEM URL ${url} URL_HASH SHA256=${hash} DOWNLOAD_EXTRACT_TIMESTAMP OFF ${ARGN})
   FetchContent_MakeAvailable(${name})
   string(TOLOWER ${name} lower)
   set(limber_fetched_${name} ${${lower}_SOURCE_DIR} PARENT_SCOPE)
@@ -55,13 +56,19 @@ if(limber_fetched_Boost)
   target_compile_definitions(Boost::headers INTERFACE BOOST_MP_STANDALONE)
 endif()
 
-if(NOT EMSCRIPTEN)
-  limber_dependency(HWY hwy::hwy CONFIG
-    https://github.com/google/highway/archive/refs/tags/1.2.0.tar.gz
-    7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343 "")
-  if(limber_fetched_HWY)
-    add_library(hwy::hwy ALIAS hwy)
-  endif()
+# Debian keeps the same file. For WebAssembly, which has one instruction set, the headers are enough.
+set(no_part)
+if(EMSCRIPTEN)
+  set(no_part SOURCE_SUBDIR none)
+endif()
+limber_dependency(HWY hwy::hwy CONFIG
+  "http://deb.debian.org/debian/pool/main/h/highway/highway_1.2.0.orig.tar.gz;https://github.com/google/highway/archive/refs/tags/1.2.0.tar.gz"
+  7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343 "" ${no_part})
+if(limber_fetched_HWY AND EMSCRIPTEN)
+  add_library(hwy::hwy INTERFACE IMPORTED)
+  target_include_directories(hwy::hwy SYSTEM INTERFACE ${limber_fetched_HWY})
+elseif(limber_fetched_HWY)
+  add_library(hwy::hwy ALIAS hwy)
 endif()
 if(LIMBER_THREADS OR LIMBER_BUILD_PROGRAM OR LIMBER_BUILD_TESTS OR LIMBER_BUILD_BENCHMARKS OR LIMBER_BUILD_PYTHON)
   limber_dependency(TBB TBB::tbb ""

@@ -126,7 +126,7 @@ struct [[nodiscard]] Weld {
 ///
 /// Throws   std::invalid_argument if a coordinate is not a number, or if there are 2^32 - 1 positions or more;
 ///          std::bad_alloc.
-/// Cost     O(n) expected; O(n log n) for positions chosen so that their hash values collide.
+/// Cost     O(n log n).
 LIMBER_API Weld weld(std::span<const Vec3> positions);
 
 struct [[nodiscard]] WeldedMesh {

@@ -148,7 +148,6 @@ std::optional<CommonBalls> CommonBallsSearch::at(const Vec3& point, pair::Meter&
   for (const point::PlacedModel* model : {&a_, &b_}) {
     if (!point::surrounding_of(*model, point, meter.stats).is_inside_or_on()) return std::nullopt;
   }
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const std::optional<SurfacePoint> a = closest_a_.find(point, infinity, meter.stats);
   const std::optional<SurfacePoint> b = closest_b_.find(point, infinity, meter.stats);
   LIMBER_ASSERT(a && b);

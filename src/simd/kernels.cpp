@@ -49,6 +49,11 @@ HWY_AFTER_NAMESPACE();
 namespace limber::simd {
 namespace {
 
+#if defined(__EMSCRIPTEN__)  // has one instruction set, and nothing to choose at run time
+const Kernels& best_kernels() { return *HWY_STATIC_DISPATCH(kernel_table)(); }
+
+std::vector<Kernels> find_all() { return {best_kernels(), scalar_kernels}; }
+#else
 HWY_EXPORT(kernel_table);
 
 const Kernels& best_kernels() {
@@ -66,6 +71,7 @@ std::vector<Kernels> find_all() {
   found.push_back(scalar_kernels);
   return found;
 }
+#endif
 
 std::atomic<const Kernels*> chosen_kernels{nullptr};
 

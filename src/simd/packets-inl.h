@@ -3,8 +3,7 @@
 
 // What kernels are written with: packets of as many numbers as a SIMD register holds, at most `width`, and vectors of
 // three packets. A kernel is compiled once per instruction set, in that set's namespace, and once in plain C++ by
-// scalar_kernels.cpp, which defines LIMBER_SCALAR_KERNELS; for WebAssembly by wasm_kernels.cpp, which defines
-// LIMBER_WASM_KERNELS.
+// scalar_kernels.cpp, which defines LIMBER_SCALAR_KERNELS.
 
 #if defined(LIMBER_SIMD_PACKETS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_PACKETS_INL_H
@@ -19,12 +18,6 @@
 #define LIMBER_AFTER_KERNELS static_assert(true)
 #define LIMBER_TARGET scalar
 #define LIMBER_KERNEL inline
-#elif defined(LIMBER_WASM_KERNELS)
-#include "simd/wasm_packets.h"
-#define LIMBER_BEFORE_KERNELS static_assert(true)
-#define LIMBER_AFTER_KERNELS static_assert(true)
-#define LIMBER_TARGET wasm
-#define LIMBER_KERNEL inline __attribute__((always_inline))
 #else
 #include "simd/highway_packets-inl.h"
 #undef LIMBER_BEFORE_KERNELS

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <sys/resource.h>
 
-#include <bit>
 #include <chrono>
-#include <cmath>
 #include <tuple>
 
 #include "files.h"
@@ -92,48 +90,6 @@ TEST_F(Limits, scenes_of_too_many_elements_are_refused_by_what_they_show) {
                       R"(","extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"SCALE":2}}}}])";
     refused("a.gltf", instances.gltf(), ErrorCode::too_large);
   }
-}
-
-/// Positions whose hash values agree in their low bits, for the hash function of the weld undone step by step.
-std::vector<double> colliding_abscissas(std::size_t count) {
-  constexpr std::uint64_t factor = 0x9e37'79b9'7f4a'7c15U;
-  std::uint64_t inverse = 1;
-  for (int i = 0; i < 6; ++i) inverse *= 2 - factor * inverse;  // Newton's method modulo 2^64
-  std::vector<double> abscissas;
-  for (std::uint64_t high = 1; abscissas.size() < count; ++high) {
-    std::uint64_t h = high << 32U;
-    for (int step = 0; step < 3; ++step) {
-      h ^= h >> 32U;
-      h *= inverse;
-    }
-    h ^= h >> 32U;
-    const auto x = std::bit_cast<double>(h);
-    if (std::isnormal(x) && std::abs(x) < max_coordinate && std::abs(x) > 1e-200) abscissas.push_back(x);
-  }
-  return abscissas;
-}
-
-TEST_F(Limits, positions_made_to_collide_in_the_hash_table_take_no_quadratic_time) {
-  constexpr std::size_t vertex_count = 300'000;
-  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertex_count) +
-                      "\nproperty double x\nproperty float y\nproperty float z\nelement face 1\n"
-                      "property list uchar int vertex_indices\nend_header\n";
-  const std::vector<double> abscissas = colliding_abscissas(vertex_count - 2);
-  for (std::size_t v = 0; v < vertex_count; ++v) {
-    append(bytes, abscissas[v % abscissas.size()]);  // the last two are at the places of the first two
-    append(bytes, 0.0F);
-    append(bytes, v == 0 ? -0.0F : 0.0F);
-  }
-  append(bytes, std::uint8_t{3});
-  for (const std::uint32_t v : {1U, static_cast<std::uint32_t>(vertex_count - 2), 2U}) append(bytes, v);
-  const auto start = std::chrono::steady_clock::now();
-  const Result<MeshFile> file = read("a.ply", bytes);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  ASSERT_TRUE(file) << file.error().text;
-  EXPECT_LT(elapsed.count(), 20);  // a quadratic method takes minutes
-  ASSERT_EQ(file->mesh.positions().size(), vertex_count - 2);
-  EXPECT_EQ(file->mesh.triangles()[0], (Corners{1, 0, 2}));
-  for (std::size_t v = 0; v < abscissas.size(); ++v) ASSERT_EQ(file->mesh.positions()[v].x, abscissas[v]) << v;
 }
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/arguments.h"
 #include "base/float_environment.h"
 #include "geometry/primitives.h"
 #include "reference/place.h"
