@@ -123,7 +123,7 @@ class AllPairs {
       const std::uint32_t top = std::min(node_count_, top_nodes);
       const auto size = static_cast<std::uint32_t>((node_count_ - top) / count + 1);
       for (std::uint32_t end = node_count_; end > top; end -= std::min(size, end - top)) {
-        parts.push_back(NodeRange{end - std::min(size, end - top), end});
+        parts.emplace_back(NodeRange{end - std::min(size, end - top), end});
       }
       for (std::uint32_t n = top; n > 0; --n) {
         walk_.add_siblings(n - 1);
@@ -132,7 +132,7 @@ class AllPairs {
     } else {
       pairs.push_back(roots(root_bound));
     }
-    for (const NodePair& pair : walk_.split(std::move(pairs), count)) parts.push_back(pair);
+    for (const NodePair& pair : walk_.split(std::move(pairs), count)) parts.emplace_back(pair);
     return parts;
   }
 

@@ -216,6 +216,7 @@ void read_csv(const std::string& path, const CsvFormat& format, const CsvTaker& 
                                               fmt::join(names, ","), fields.size()));
       }
       std::vector<std::string> ordered;
+      ordered.reserve(places.size());
       for (const std::size_t place : places) ordered.push_back(place < fields.size() ? fields[place] : std::string());
       take(ordered, file.line_number());
       ++row_count;
@@ -277,7 +278,7 @@ std::vector<ModelRow> read_models(const std::string& path, const std::vector<std
   for (const std::string& suffix : suffixes) format.columns.push_back("model" + suffix);
   format.hint = fmt::format("; the first row names the columns: {}", fmt::join(format.columns, ","));
   for (const std::string& suffix : suffixes) {
-    for (const std::string& column : pose_columns) format.columns.push_back("pose" + suffix + '_' + column);
+    for (const std::string& column : pose_columns) format.columns.push_back(fmt::format("pose{}_{}", suffix, column));
   }
   if (count == 1) format.columns.emplace_back("name");
   std::vector<ModelRow> rows;
