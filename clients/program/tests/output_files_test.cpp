@@ -226,6 +226,7 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
   const std::string out = outputs.path("out.csv"), page = outputs.path("page"), err = folder_.path("err");
   const std::string both = " --out " + out + " --report " + page;
   std::mt19937 random(1);
+  int cut_short = 0;  // runs of points, which go on for a while
   for (const std::string& line :
        {"points " + ball_ + ' ' + points + " --out " + out, "distance --pairs " + pairs_ + both,
         "contacts scene:ball " + ball_ + " --margin 1 --out " + out,
@@ -239,18 +240,22 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
       const pid_t pid = fork();
       if (pid == 0) execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       std::string beside;
-      do {  // points go on for a while, so that there are some rows and not all
+      bool is_running = true;
+      do {
         usleep(static_cast<useconds_t>(random() % 100'000));
         for (const auto& entry : fs::directory_iterator(outputs.path(""))) {
           if (entry.path() != out && entry.path() != page) beside = entry.path();
         }
-      } while (line.starts_with("points") && lines_of(text_of(beside)).size() < 2);
-      kill(pid, signal);
-      waitpid(pid, nullptr, 0);
+        is_running = waitpid(pid, nullptr, WNOHANG) == 0;
+      } while (is_running && line.starts_with("points") && lines_of(text_of(beside)).size() < 2);
+      if (is_running) {
+        kill(pid, signal);
+        waitpid(pid, nullptr, 0);
+      }
       const std::string table = text_of(out), html = text_of(page);
       EXPECT_TRUE(table == "from before" || lines_of(table).size() == line_count) << table.size();
       EXPECT_TRUE(html == "from before" || html.ends_with("</html>\n")) << html.size();
-      EXPECT_TRUE(!line.starts_with("points") || fs::exists(beside));
+      if (line.starts_with("points") && fs::exists(beside)) ++cut_short;
       for (const auto& entry : fs::directory_iterator(outputs.path(""))) {
         const std::string path = entry.path();
         if (path == out || path == page) continue;
@@ -263,6 +268,7 @@ TEST_F(ProgramOutputFiles, AreWholeWheneverRunsAreKilled) {
       }
     }
   }
+  EXPECT_GT(cut_short, 0);
 }
 
 }  // namespace
