@@ -52,6 +52,7 @@ class Layers(Repository):
         ("src/model/a.cpp", "mesh/updates.h limber/mesh.h", "point/placed.h limber/io.h limber/eigen.h"),
         ("src/io/a.cpp", "limber/io.h base/check.h <nlohmann/json.hpp>", "base/rounding.h"),
         ("src/io/scan.cpp", "<xlocale.h>", "<CGAL/P.h>"),
+        ("src/io/file_bytes.cpp", "<fcntl.h>", "<CGAL/P.h>"),
         ("src/newcomer/a.cpp", "<vector>", "base/check.h"),
         ("include/limber/mesh.h", "limber/base.h <vector>", "base/check.h <fmt/format.h> <Eigen/Core> limber/no_such.h"),
         ("include/limber/eigen.h", "<Eigen/Core>", "<CGAL/P.h>"),

@@ -49,7 +49,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 
  private:
-  /// What follows the name of an option: type, default.
+  /// The type and the default of an option, as help shows them behind its name.
   static std::string details(const CLI::Option* option) {
     std::string text;
     if (option->get_type_size() != 0) {

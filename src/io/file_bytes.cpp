@@ -1,7 +1,15 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
+#if defined(_WIN32)
 #include <fstream>
+#else
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
+#include <algorithm>
+#include <cerrno>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -34,10 +42,48 @@ std::optional<fs::path> path_of(const std::string& name) {
   }
 }
 
+#if defined(_WIN32)
+void read_all(const fs::path& path, std::string& bytes) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw unreadable("cannot be opened, its permissions may forbid it");
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+    throw unreadable("cannot be read to its end");
+}
+#else
+BadResult last_error() { return unreadable(std::error_code(errno, std::generic_category())); }
+
+class Descriptor {
+ public:
+  explicit Descriptor(const fs::path& path)
+      : number(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {}  // a pipe does not wait
+  ~Descriptor() {
+    if (number >= 0) close(number);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  const int number;
+};
+
+void read_all(const fs::path& path, std::string& bytes) {
+  const Descriptor file(path);
+  struct stat opened {};  // the path may name something else by now
+  if (file.number < 0 || fstat(file.number, &opened) != 0) throw last_error();
+  if (!S_ISREG(opened.st_mode)) throw unreadable("is not a regular file");
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count = read(file.number, bytes.data() + done, bytes.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw last_error();
+    if (count == 0) throw unreadable("cannot be read to its end");
+    done += static_cast<std::size_t>(count);
+  }
+}
+#endif
+
 }  // namespace
 
 std::string read_regular_file(const fs::path& path, std::uint64_t max_bytes) {
-  // Opening a device may already do something, and opening a pipe waits, so the kind is asked first.
+  // Opening a device may already do something, so the kind is asked first, and again of what was opened in the end.
   std::error_code failed;
   const fs::file_status status = fs::status(path, failed);
   if (status.type() == fs::file_type::not_found) throw unreadable("no such file");
@@ -51,10 +97,8 @@ std::string read_regular_file(const fs::path& path, std::uint64_t max_bytes) {
                      "has " + std::to_string(size) + " bytes, more than the limit of " + std::to_string(max_bytes),
                      {}});
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw unreadable("cannot be opened, its permissions may forbid it");
   std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) throw unreadable("cannot be read to its end");
+  read_all(path, bytes);
   return bytes;
 }
 

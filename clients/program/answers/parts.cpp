@@ -63,7 +63,7 @@ void add_parts_of_mesh(AskedPairs& asked, const std::string& path) {
   }
 }
 
-/// What the same file has in common, whatever it is called.
+/// A key of a model: names of one file, such as a link and its target, have the same key.
 std::string key_of(const std::string& argument) {
   if (is_scene(argument)) return argument;
   std::error_code failed;

@@ -47,7 +47,7 @@ std::uint64_t read_count(const Bytes& bytes, std::size_t& at) {
   }
 }
 
-/// What append_differences() has written, one difference for each coordinate.
+/// Reads `count` differences of coordinates from the bytes that append_differences() has written.
 std::vector<std::int64_t> differences_in(const Bytes& bytes, std::size_t count) {
   std::vector<std::int64_t> differences;
   differences.reserve(count);

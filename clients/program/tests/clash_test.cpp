@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What kind of clash a pair is, as `limber distance` says it; and which model has the other inside.
+// Tests of `limber distance`: the kind of clash of a pair, and which model lies inside the other.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -47,7 +47,7 @@ std::vector<nlohmann::json> json_rows_of(const std::string& line);
 /// Everything that may be typed wrongly must end with exit code 2, one line that names the place, and no answer.
 void expect_refused(const std::string& line, const std::string& part_of_the_error);
 
-/// What is typed after a start that all have in common, and what is said about it.
+/// Pairs of arguments, which follow the `start` of expect_all_refused(), and a part of the error that they give.
 using Refusals = std::vector<std::pair<std::string, std::string>>;
 void expect_all_refused(const std::string& start, const Refusals& refusals);
 

@@ -20,7 +20,7 @@
 namespace limber::program {
 namespace {
 
-/// What the verbs about pairs of triangles share: which pairs are asked for, and where they are written.
+/// The options that `limber contacts` and `limber self` share: which pairs to find, and where to write them.
 struct ContactArguments {
   std::optional<double> margin;
   bool intersections = false;

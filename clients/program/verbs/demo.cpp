@@ -44,7 +44,7 @@ struct DemoArguments {
 
 /// A second query in each frame is asked at this error, to show what an approximate answer costs and gives.
 constexpr double rough_error = 0.1;
-/// That the page may have: more frames than fit are thinned out.
+/// The largest size of the page. If all frames take more, the page leaves some out.
 constexpr std::uint64_t most_megabytes = 8;
 
 struct DemoFrame {
@@ -240,7 +240,7 @@ std::string introduction(const DemoRun& run) {
       grouped(run.frames.size()), grouped(run.ball.triangles().size()), 100 * rough_error);
 }
 
-/// What only the page of the demonstration has: texts, and the second query of each frame.
+/// The data that only the page of the demonstration has: its texts, and the second query of each frame.
 Json demo_json(const DemoRun& run) {
   Json rough = {
       {"relative_error", rough_error}, {"lower", Json::array()}, {"upper", Json::array()}, {"query_us", Json::array()}};
