@@ -27,10 +27,6 @@ struct DeepestVertex {
   Vec3 direction;
 };
 
-struct DeepestVerticesOptions {
-  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
-};
-
 /// Of each of two bodies, the vertex that is deepest inside of the other one.
 struct DeepestPair {
   std::optional<DeepestVertex> of_a;  ///< the vertex of a that is deepest in b; none if b contains no vertex of a
@@ -57,11 +53,7 @@ struct [[nodiscard]] DeepestVertices : DeepestPair {
 /// Threads  Reentrant; any number of calls may share models.
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API DeepestVertices deepest_vertices(const PlacedSurface& a, const PlacedSurface& b,
-                                            const DeepestVerticesOptions& options = {});
-
-struct SeparatingTranslationOptions {
-  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
-};
+                                            const QueryBudget& budget = {});
 
 /// How far a body has to be moved along a direction to leave another one for good.
 struct [[nodiscard]] SeparatingTranslation {
@@ -87,8 +79,7 @@ struct [[nodiscard]] SeparatingTranslation {
 /// Threads  As deepest_vertices().
 /// Source   docs/algorithms/penetration.md.
 LIMBER_API SeparatingTranslation separating_translation(const PlacedSurface& a, const PlacedSurface& b,
-                                                        const Vec3& direction,
-                                                        const SeparatingTranslationOptions& options = {});
+                                                        const Vec3& direction, const QueryBudget& budget = {});
 
 struct SolidDistanceOptions {
   /// The search for a shorter translation ends when upper <= (1 + relative_error) lower; finite and >= 0.

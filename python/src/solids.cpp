@@ -46,7 +46,7 @@ SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, 
                                 const PoseLike& pose_b, const BudgetObject* budget) {
   return SurfacePair(a, b, pose_a, pose_b)
       .ask(budget, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
-        return solid_relation(placed_a, placed_b, {limits});
+        return solid_relation(placed_a, placed_b, limits);
       });
 }
 
@@ -84,7 +84,7 @@ DeepestVertices deepest_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, const
                            const PoseLike& pose_b, const BudgetObject* budget) {
   return SurfacePair(a, b, pose_a, pose_b)
       .ask(budget, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
-        return deepest_vertices(placed_a, placed_b, {limits});
+        return deepest_vertices(placed_a, placed_b, limits);
       });
 }
 
@@ -93,7 +93,7 @@ SeparatingTranslation separating_of(ClosedSurfaceObject& a, ClosedSurfaceObject&
   const Vec3 along = point_from(direction, "direction");
   return SurfacePair(a, b, pose_a, pose_b)
       .ask(budget, [&](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
-        return separating_translation(placed_a, placed_b, along, {limits});
+        return separating_translation(placed_a, placed_b, along, limits);
       });
 }
 

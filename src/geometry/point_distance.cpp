@@ -11,10 +11,9 @@
 #include <limits>
 
 #include "base/check.h"
-#include "geometry/face.h"
+#include "geometry/features.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
-#include "geometry/segment_distance.h"
 
 namespace limber {
 namespace {

@@ -16,7 +16,6 @@
 #include <optional>
 
 #include "base/check.h"
-#include "geometry/collinear.h"
 #include "geometry/primitives.h"
 
 namespace limber {

@@ -18,8 +18,8 @@
 #include <limits>
 
 #include "base/check.h"
-#include "geometry/collinear.h"
 #include "geometry/local_frame.h"
+#include "geometry/primitives.h"
 #include "simd/kernels.h"
 
 namespace limber {

@@ -13,7 +13,6 @@
 #include <cstddef>
 #include <optional>
 
-#include "geometry/collinear.h"
 #include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
 

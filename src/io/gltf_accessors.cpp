@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/gltf_accessors.h"
+#include "io/gltf.h"
 
 #include <algorithm>
 #include <array>

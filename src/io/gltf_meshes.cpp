@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/gltf_meshes.h"
+#include "io/gltf.h"
 
 #include <algorithm>
 #include <cmath>

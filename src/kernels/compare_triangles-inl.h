@@ -4,7 +4,7 @@
 // Kernels::compare_segments, compare_triangles and refine_candidates, a pair in each lane.
 //
 // Based on  the clamped closest-point iteration of [Ericson2005], section 5.1.9.
-// Differs   As geometry/segment_distance.h says; the arithmetic is the same, number by number.
+// Differs   As geometry/features.h says; the arithmetic is the same, number by number.
 
 #if defined(LIMBER_SIMD_COMPARE_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_COMPARE_TRIANGLES_INL_H

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "geometry/collinear.h"
+#include "geometry/primitives.h"
 
 namespace limber::model {
 namespace {

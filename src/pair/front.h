@@ -285,7 +285,7 @@ class FrontRecorder {
     const std::span<const Front::Record> records = front_.records();
     state.descents.stop();
     std::size_t count = 0;
-    state.least_sq = BucketQueue::largest_bound;
+    state.least_sq = largest_bound_sq;
     for (std::size_t i = 0; i < records.size(); ++i) {
       const double bound = front_.bound_of(records[i]);
       if (bound >= pruning_.cutoff()) continue;
@@ -337,7 +337,7 @@ class FrontRecorder {
   void pruned_children(const Expansion& e) {
     const unsigned children = e.children & ~e.kept.all;
     if (!is_recording_ || children == 0 || e.record == NodePair::no_record) return;
-    float least = BucketQueue::no_limit_sq;
+    float least = no_limit_sq;
     for (unsigned rest = children; rest != 0; rest &= rest - 1) {
       least = std::min(least, bound_sq_[std::countr_zero(rest)]);
     }

@@ -177,7 +177,7 @@ class SquaredLimits {
     distance_ = distance;
     for (const Side s : {Side::a, Side::b}) {
       const double units = distance / placed_.tree(s).unit;
-      const double limit = std::min(units * units * (1 + base::storage_error), double{BucketQueue::no_limit_sq});
+      const double limit = std::min(units * units * (1 + base::storage_error), double{no_limit_sq});
       // A positive limit never prunes a pair whose bound is 0.
       limit_sq_[index(s)] = std::max(static_cast<float>(limit), std::numeric_limits<float>::min());
     }
@@ -192,7 +192,7 @@ class SquaredLimits {
   /// Converts the bound of a child from squared units of its tree to those of a, and raises it to that of its parent.
   float bound_of_child(Side s, float order, float parent) const {
     // Stays below `no_limit_sq` even where the product overflows, so that an infinite limit prunes nothing.
-    return std::min(std::max(order * to_a_sq_[index(s)], parent), BucketQueue::largest_bound);
+    return std::min(std::max(order * to_a_sq_[index(s)], parent), largest_bound_sq);
   }
   /// A bound in squared units of the tree of that side as a length, rounded down.
   double length_of(Side s, float bound_sq) const {
@@ -203,7 +203,7 @@ class SquaredLimits {
   /// A length as a bound of a pair, rounded down.
   float bound_of(double length) const {
     const double units = length / placed_.tree(Side::a).unit;
-    return static_cast<float>(std::min(units * units * double{base::squares_down}, double{BucketQueue::largest_bound}));
+    return static_cast<float>(std::min(units * units * double{base::squares_down}, double{largest_bound_sq}));
   }
 
  private:

@@ -37,7 +37,28 @@ class ImpactSearch {
     found_.result.time = std::numeric_limits<double>::infinity();
   }
 
-  ObjectImpactResult run();
+  ObjectImpactResult run() {
+    const scene::LocalBounds local = scene::local_bounds(body_);
+    const double size = std::max(2 * local.radius, std::numeric_limits<double>::min());
+    const int pieces = static_cast<int>(std::min(path_.speed * of_pair_.max_time / size, most_pieces - 1)) + 1;
+    const double duration = of_pair_.max_time / pieces;
+    // Times are rounded.
+    const double reach = of_pair_.min_separation + path_.speed * (0.5 * duration + 0x1p-50);
+    for (int piece = 0; piece < pieces; ++piece) {
+      begin_ = piece * duration;
+      if (begin_ > of_pair_.max_time) break;
+      const Placed there(body_, path_.pose(std::min(begin_ + 0.5 * duration, 1.0)));
+      require_ready(there, time_of_impact_name, "the model");
+      find_near(scene::world_bounds(local, there.pose), reach);
+      for (const Near& object : near_) {
+        ask(object.id);
+        if (!scene::ends_all(found_.result.stopped_by)) continue;
+        found_.result.time = begin_;  // nothing is known of other objects near this piece
+        return found_;
+      }
+    }
+    return found_;
+  }
 
  private:
   struct Near {
@@ -47,8 +68,33 @@ class ImpactSearch {
   };
   static constexpr double most_pieces = 64;
 
-  void find_near(const scene::WorldBounds& bounds, double reach);
-  void ask(ObjectId id);
+  /// Finds the objects that count, have not been asked, and may be within a distance.
+  void find_near(const scene::WorldBounds& bounds, double reach) {
+    near_.clear();
+    scene_.tree.visit_near(bounds, scene::margin_with_error(reach), [&](std::uint32_t rank) {
+      const ObjectId id = scene_.tree.id_of(rank);
+      if (asked_[id]) return true;
+      asked_[id] = true;
+      if (!filter_ || (*filter_)(id)) near_.push_back({scene_.tree.lower_bound(bounds, rank), id});
+      return true;
+    });
+    std::sort(near_.begin(), near_.end());
+  }
+  void ask(ObjectId id) {
+    const PathImpact impact = motion::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
+    PathImpact& first = found_.result;
+    const std::uint64_t distances = first.distance_count + impact.distance_count;
+    QueryStats stats = first.stats;
+    stats += impact.stats;
+    // A contact and an object that could not be decided may share a time: the contact counts.
+    const bool is_first = impact.time < first.time || (impact.witness && !first.witness && impact.time == first.time);
+    if (is_first) {
+      first = impact;
+      found_.object = impact.witness ? id : no_id;
+      of_pair_.max_time = impact.time;
+    }
+    first.distance_count = distances, first.stats = stats;
+  }
 
   const Scene::Impl& scene_;
   const Body body_;
@@ -61,58 +107,6 @@ class ImpactSearch {
   std::vector<Near> near_;
   ObjectImpactResult found_;
 };
-
-/// Finds the objects that count, have not been asked, and may be within a distance.
-void ImpactSearch::find_near(const scene::WorldBounds& bounds, double reach) {
-  near_.clear();
-  scene_.tree.visit_near(bounds, scene::margin_with_error(reach), [&](std::uint32_t rank) {
-    const ObjectId id = scene_.tree.id_of(rank);
-    if (asked_[id]) return true;
-    asked_[id] = true;
-    if (!filter_ || (*filter_)(id)) near_.push_back({scene_.tree.lower_bound(bounds, rank), id});
-    return true;
-  });
-  std::sort(near_.begin(), near_.end());
-}
-
-void ImpactSearch::ask(ObjectId id) {
-  const PathImpact impact = motion::first_impact(body_, path_, motion_, scene_.placed(id), begin_, of_pair_);
-  PathImpact& first = found_.result;
-  const std::uint64_t distances = first.distance_count + impact.distance_count;
-  QueryStats stats = first.stats;
-  stats += impact.stats;
-  // A contact and an object that could not be decided may share a time: the contact counts.
-  const bool is_first = impact.time < first.time || (impact.witness && !first.witness && impact.time == first.time);
-  if (is_first) {
-    first = impact;
-    found_.object = impact.witness ? id : no_id;
-    of_pair_.max_time = impact.time;
-  }
-  first.distance_count = distances, first.stats = stats;
-}
-
-ObjectImpactResult ImpactSearch::run() {
-  const scene::LocalBounds local = scene::local_bounds(body_);
-  const double size = std::max(2 * local.radius, std::numeric_limits<double>::min());
-  const int pieces = static_cast<int>(std::min(path_.speed * of_pair_.max_time / size, most_pieces - 1)) + 1;
-  const double duration = of_pair_.max_time / pieces;
-  // Times are rounded.
-  const double reach = of_pair_.min_separation + path_.speed * (0.5 * duration + 0x1p-50);
-  for (int piece = 0; piece < pieces; ++piece) {
-    begin_ = piece * duration;
-    if (begin_ > of_pair_.max_time) break;
-    const Placed there(body_, path_.pose(std::min(begin_ + 0.5 * duration, 1.0)));
-    require_ready(there, time_of_impact_name, "the model");
-    find_near(scene::world_bounds(local, there.pose), reach);
-    for (const Near& object : near_) {
-      ask(object.id);
-      if (!scene::ends_all(found_.result.stopped_by)) continue;
-      found_.result.time = begin_;  // nothing is known of other objects near this piece
-      return found_;
-    }
-  }
-  return found_;
-}
 
 void check(const Scene::Impl& scene, const Body& body, const ObjectImpactOptions& options) {
   scene::require_committed(scene, "limber::Scene::time_of_impact");

@@ -14,7 +14,6 @@
 
 #include "base/check.h"
 #include "base/error_free.h"
-#include "geometry/collinear.h"
 #include "geometry/primitives.h"
 
 namespace limber::solid {

@@ -16,9 +16,8 @@
 #include <utility>
 
 #include "base/check.h"
-#include "geometry/collinear.h"
-#include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
+#include "geometry/plane_sides.h"
 #include "pair/parts.h"
 
 namespace limber::solid {

@@ -12,7 +12,6 @@
 #include "base/check.h"
 #include "base/float_environment.h"
 #include "base/parallel.h"
-#include "geometry/collinear.h"
 #include "geometry/primitives.h"
 #include "limber/contacts.h"
 #include "pair/placed_pair.h"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "geometry/primitives.h"
-#include "geometry/segment_distance.h"
+#include "geometry/features.h"
 #include "geometry/triangle_contact.h"
 #include "limber/contacts.h"
 #include "pair/placed_pair.h"

@@ -259,12 +259,12 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
   EXPECT_EQ(all.stopped_by, StoppedBy::nothing);
   for (const std::uint64_t steps : {0, 1, 2, 5, 10, 20, 50, 100, 200, 400, 1000, 100'000}) {
     const QueryBudget budget{.max_steps = steps};
-    const DeepestVertices some = deepest_vertices({ball.surface}, {ring.surface, pose}, {budget});
+    const DeepestVertices some = deepest_vertices({ball.surface}, {ring.surface, pose}, budget);
     EXPECT_GE(some.max_depth * (1 + 1e-12), deepest.max_depth);
     EXPECT_LE(some.max_depth, 2);
     for (const auto& vertex : {some.of_a, some.of_b}) EXPECT_LE(vertex ? vertex->depth : 0, deepest.max_depth);
     const SeparatingTranslation part =
-        separating_translation({ball.surface}, {ring.surface, pose}, {1, 2, 3}, {budget});
+        separating_translation({ball.surface}, {ring.surface, pose}, {1, 2, 3}, budget);
     EXPECT_GE(part.upper, translation.upper);
     EXPECT_LE(part.lower, translation.upper);
     const SolidDistance cut = signed_distance({ball.surface}, {ring.surface, pose}, {.budget = budget});

@@ -204,7 +204,7 @@ TEST(SquaredLimits, AreInTheUnitOfEitherTreeAndPruneNoContact) {
   EXPECT_GT(limits.of(Side::a), 0);
   EXPECT_GT(limits.of(Side::b), 0);
   EXPECT_TRUE(limits.update(std::numeric_limits<double>::infinity()));
-  EXPECT_EQ(limits.of(Side::b), pair::BucketQueue::no_limit_sq);
+  EXPECT_EQ(limits.of(Side::b), pair::no_limit_sq);
 }
 
 TEST(SquaredLimits, RoundBoundsDown) {
@@ -216,10 +216,10 @@ TEST(SquaredLimits, RoundBoundsDown) {
     EXPECT_LE(back, length);
     EXPECT_GE(back, length * (1 - 1e-5));
   }
-  EXPECT_EQ(limits.bound_of(std::numeric_limits<double>::max()), pair::BucketQueue::largest_bound);
+  EXPECT_EQ(limits.bound_of(std::numeric_limits<double>::max()), pair::largest_bound_sq);
   EXPECT_EQ(limits.bound_of_child(Side::a, 2, 3), 3);
   EXPECT_EQ(limits.bound_of_child(Side::a, 4, 3), 4);
-  EXPECT_LT(limits.bound_of_child(Side::b, std::numeric_limits<float>::max(), 3), pair::BucketQueue::no_limit_sq);
+  EXPECT_LT(limits.bound_of_child(Side::b, std::numeric_limits<float>::max(), 3), pair::no_limit_sq);
 }
 
 using pair::Trial;

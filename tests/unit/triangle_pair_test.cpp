@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "geometry/face.h"
+#include "geometry/features.h"
 #include "geometry/local_frame.h"
 #include "geometry/primitives.h"
 #include "simd/kernels.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pair/traversal_state.h"
+#include "pair/flat_seed.h"
 
 #include <algorithm>
 #include <bit>
