@@ -16,8 +16,8 @@
 #include <utility>
 
 #include "base/check.h"
-#include "geometry/primitives.h"
 #include "geometry/plane_sides.h"
+#include "geometry/primitives.h"
 #include "pair/parts.h"
 
 namespace limber::solid {
@@ -72,14 +72,26 @@ Sides sides_of(const Triangle& other, const Triangle& t) {
   return sides;
 }
 
-/// The facets that each facet meets, of both surfaces and between them, in their order. Incomplete if the budget is
-/// spent.
+/// The facets that each facet meets, and its copies, of both surfaces and between them, in their order. Incomplete if
+/// the budget is spent.
 mesh::VertexLists<Meeting> meetings_of(Cells& cells, const std::deque<TrianglePair>& contacts, FacetId count_of_a,
                                        FacetId count) {
   std::deque<TrianglePair> of_one[2];
   for (const pair::Side s : {pair::Side::a, pair::Side::b}) {
     const auto add = [&](const TrianglePair& p) { return of_one[pair::index(s)].push_back(p), true; };
     cells.meter.stop(pair::visit_placed_self_intersections(cells.placed(s), add, cells.budget, cells.meter.stats));
+    // Two triangles of the same three vertices meet in all of them, but are no self-intersection. They are neighbors
+    // across all three edges; that between the two smaller ids finds them.
+    const MeshView& mesh = cells.model(s).mesh();
+    const auto add_copies = [&](VertexId, std::span<const mesh::TriangleSide> sides) {
+      const auto apex = [&](const mesh::TriangleSide& side) {
+        return mesh.triangles[side.triangle][next_corner[next_corner[side.corner]]];
+      };
+      if (apex(sides[0]) == apex(sides[1]) && apex(sides[0]) > sides[0].high)
+        add({sides[0].triangle, sides[1].triangle});
+    };
+    mesh::for_each_edge(mesh.triangles, mesh.positions.size(), add_copies,
+                        [&](std::size_t k) { return !cells.meter.is_spent_at(k); });
   }
   using Lists = mesh::VertexLists<Meeting>;
   const Lists unordered(count, [&](const auto& add_item) {

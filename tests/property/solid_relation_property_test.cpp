@@ -107,13 +107,35 @@ CellBox random_box(Rng& rng, int side = lattice_side) {
   return box;
 }
 
-/// Some boxes, each a component: they overlap, touch and cancel as they come.
+/// Adds a rectangle that winds around nothing: two triangles, each with its back, which has the same vertices.
+void add_sheet(Rng& rng, CellSolid& solid, int side) {
+  const std::size_t axis = rng.below(3), i = (axis + 1) % 3, j = (axis + 2) % 3;
+  const CellBox box = random_box(rng, side);
+  CellSolid::Rectangle r{box.low, box.high};
+  r.high[axis] = r.low[axis];
+  const auto corner = [&](bool is_high_i, bool is_high_j) {
+    Vec3 p;
+    p[axis] = r.low[axis], p[i] = (is_high_i ? r.high : r.low)[i], p[j] = (is_high_j ? r.high : r.low)[j];
+    return p;
+  };
+  for (const bool is_second : {false, true}) {
+    const auto first = static_cast<VertexId>(solid.positions.size());
+    for (const Vec3& p : {corner(false, false), corner(!is_second, is_second), corner(true, true)}) {
+      solid.positions.push_back(p);
+    }
+    solid.triangles.push_back({first, first + 1, first + 2}), solid.triangles.push_back({first, first + 2, first + 1});
+  }
+  solid.rectangles.push_back(r);
+}
+
+/// Some boxes, each a component, and sheets: they overlap, touch and cancel as they come.
 CellSolid boxes_of_cells(Rng& rng, std::size_t most) {
   CellSolid solid;
   const std::uint64_t count = 1 + rng.below(most);
   const int side = 2 + static_cast<int>(rng.below(lattice_side - 1));
   const int step = rng.below(3) == 0 ? 1 + static_cast<int>(rng.below(2)) : 0;
   for (std::uint64_t i = 0; i < count; ++i) add_box(rng, solid, random_box(rng, side), step);
+  for (std::uint64_t i = rng.below(3); i > 0; --i) add_sheet(rng, solid, side);
   return solid;
 }
 

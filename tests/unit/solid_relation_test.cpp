@@ -153,6 +153,15 @@ TEST(SolidRelation, OfSurfacesWithoutVolume) {
   const Mesh sheet = small_mesh({{0.25, 0.25, 0.5}, {0.75, 0.25, 0.5}, {0.25, 0.75, 0.5}}, {{0, 1, 2}, {2, 1, 0}});
   expect(sheet, unit_box(), SolidRelation::apart, false, "two sides of a sheet");
   expect(sheet, sheet, SolidRelation::touching, true, "the same sheet");
+  const auto raised = [&](double by) { return mapped(sheet, [&](const Vec3& p) { return p + Vec3{0, 0, by}; }); };
+  const Mesh upright = mapped(sheet, [](const Vec3& p) { return Vec3{p.x, p.z, p.y}; });
+  expect(mapped(upright,
+                [](const Vec3& p) {
+                  return p + Vec3{0, 0, 0.5};
+                }),
+         unit_box(), SolidRelation::touching, true, "through a face");
+  expect(raised(0.5), unit_box(), SolidRelation::touching, true, "on a face");
+  expect(joined(raised(0), raised(0.25)), upright, SolidRelation::touching, true, "through each other");
   const Mesh point = mapped(unit_box(), [](const Vec3&) { return Vec3{0.5, 0.5, 0.5}; });
   expect(point, unit_box(), SolidRelation::apart, false, "a point");
   const Mesh line = mapped(unit_box(), [](const Vec3& p) { return Vec3{0.5, 0.5, p.z}; });
