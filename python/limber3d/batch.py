@@ -51,7 +51,7 @@ _QUERIES = dict[str, Callable[..., RecordArray]](distance=distance_many, collide
 _USUAL_PARTITIONS = 100  # of poses, so that workers finish at nearly the same time
 _LEAST_POSES = 1000  # of a usual partition: it must be worth a message
 _MOST_POSES = 10_000  # of a usual partition: it is lost with its worker
-_MOST_FRAMES = 64  # of a usual partition, for the same reason
+_MOST_FRAMES = 64  # of a usual partition: it is lost with its worker
 _MOST_FRAME_BYTES = 32 << 20  # of the frames of a usual partition: it travels as one message
 _PER_THREAD = 3  # partitions that are under way for each thread: one runs, the others are on their way
 _CHECK_SECONDS = 2.0  # how long answers are waited for before the executor is asked again how many threads it has
@@ -125,7 +125,7 @@ def track(
     Folder, Options, Raises   As sweep(); ValueError if there are not as many poses as frames.
     """
     if isinstance(frames, Iterator):
-        frames = list(frames)
+        frames = [_array(frame).copy() for frame in frames]  # it may fill one array again and again
     listed: Any = frames if hasattr(frames, "__getitem__") else numpy.asarray(frames)
     size = _core.Batch(model, other, poses, poses_other).size
     if size is not None and size != len(listed):

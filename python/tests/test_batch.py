@@ -241,7 +241,9 @@ def test_frames_are_tracked_in_partitions(tmp_path: Path, ball: limber3d.Model, 
     ball.commit()
     poses = shapes.random_poses(8, 40)
     frames = numpy.stack([ball.vertices * [1, 1 + 0.05 * i, 1] for i in range(40)]).astype(numpy.float32)
-    for found, form in ((0, frames), (5, list(frames)), (5, iter(frames))):  # all are the same batch
+    buffer = numpy.empty_like(frames[0])
+    refilled = (numpy.positive(frame, out=buffer) for frame in frames)
+    for found, form in ((0, frames), (5, list(frames)), (5, refilled)):  # all are the same batch
         report = batch.track(ball, form, tetra, None, poses, out=tmp_path / "0", partition_size=9, max_distance=2.0)
         assert report == batch.Report(40, 5, found)
     answers = batch.read(tmp_path / "0")
