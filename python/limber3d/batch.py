@@ -5,8 +5,11 @@
     batch.sweep(a, b, poses_b=poses, out="answers", executor=distributed.Client("tcp://10.0.0.1:8786"))
     records = batch.read("answers")
 
-The answers of each partition become one file of a Parquet data set, which gets its name only once it is whole. So the
-same call goes on where an earlier one was stopped, however it was stopped.
+1. sweep() and track() say what is asked, a _BatchJob, and how it is cut into partitions: some poses or frames each.
+2. Its run() finds the partitions that the folder has, and has workers answer the others, a few at a time.
+3. The answers of each become one file of a Parquet data set, which gets its name only once it is whole. So the same
+   call goes on where an earlier one was stopped, however it was stopped.
+4. read() puts the files together.
 
 Executors  None: threads of this process. A distributed.Client of Dask, which runs partitions of lost workers again.
 Promise    The same bits whatever the executor, its workers, their number and their failures.
@@ -25,13 +28,14 @@ import sys
 import uuid
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy
+from numpy.typing import NDArray
 
 from . import _core
 from .many import collide_many, distance_many, progress_bar, records_of, within_many
@@ -41,15 +45,18 @@ from .typing import ArrayLike, FloatArray, IdArray, PosesLike, RecordArray
 __all__ = ["Report", "read", "sweep", "track"]
 
 _QueryName = Literal["distance", "collide", "within"]
-_AnyArray = numpy.typing.NDArray[Any]
+_AnyArray = NDArray[Any]
 
 _QUERIES = dict[str, Callable[..., RecordArray]](distance=distance_many, collide=collide_many, within=within_many)
-_LEAST_POSES, _MOST_POSES, _USUAL_PARTITIONS = 1000, 10_000, 100  # worth a message; workers finish together
-_MOST_FRAMES, _MOST_FRAME_BYTES = 64, 32 << 20  # of a partition: it travels as one message
+_USUAL_PARTITIONS = 100  # of poses, so that workers finish at nearly the same time
+_LEAST_POSES = 1000  # of a usual partition: it must be worth a message
+_MOST_POSES = 10_000  # of a usual partition: it is lost with its worker
+_MOST_FRAMES = 64  # of a usual partition: it is lost with its worker
+_MOST_FRAME_BYTES = 32 << 20  # of the frames of a usual partition: it travels as one message
 _PER_THREAD = 3  # partitions that are under way for each thread: one runs, the others are on their way
-_CHECK_SECONDS = 2.0  # without an answer, after which the scheduler is looked at
-_ROWS = 4096  # that are looked at together: arrays may be larger than memory
-_LABEL, _DIGEST = b"limber3d", b"limber3d.sha256"  # keys of a file's schema
+_CHECK_SECONDS = 2.0  # how long answers are waited for before the executor is asked again how many threads it has
+_HASHED_ROWS = 4096  # rows that are hashed at a time: arrays may be larger than memory
+_LABEL, _DIGEST = b"limber3d", b"limber3d.sha256"  # keys of a file's schema: what was asked, and a hash of the file
 
 
 @dataclass(frozen=True)
@@ -57,11 +64,11 @@ class Report:
     """What a batch has done."""
 
     count: int
-    """Poses or frames."""
+    """How many poses or frames were asked about."""
     partitions: int
-    """Into which they were cut."""
+    """How many partitions these were cut into."""
     found: int
-    """Partitions that earlier calls had finished."""
+    """How many of the partitions earlier calls had finished."""
 
 
 def sweep(
@@ -80,7 +87,8 @@ def sweep(
     """distance_many(), collide_many() or within_many() on many processes or machines.
 
     Folder    out is made, or gone on with: partitions that are there, and are not damaged, are not asked again.
-              read(out) gives the answers.
+              read(out) gives the answers. A call that was killed may leave a file named _ and 32 digits, which nothing
+              reads: delete it when no call is running.
     Options   Those of the query, such as relative_error or max_distance. partition_size is a number of poses.
     Promise   The bits of distance_many() and its like, for models just made of the vertices and faces that a and b
               have. (A model that was moved may name another of several equally close pairs of triangles.)
@@ -88,20 +96,15 @@ def sweep(
               where it cannot be written; ConnectionError if Dask's scheduler is lost; ImportError without pyarrow.
     """
     size = _core.Batch(a, b, poses_a, poses_b).size
-    of_a, of_b = _arrays(poses_a), _arrays(poses_b)
     count = 1 if size is None else size
-
-    def part(begin: int, end: int) -> tuple[PosesLike, PosesLike]:
-        return _at(of_a, slice(begin, end)), _at(of_b, slice(begin, end))
-
     usual_size = max(_LEAST_POSES, min(_MOST_POSES, count // _USUAL_PARTITIONS))
-    batch = _Batch(_swept, query, options, [a, b], [of_a, of_b], count, part, usual_size)
-    return batch.run(Path(out), executor, partition_size, progress)
+    job = _BatchJob(query, options, [a, b], [_arrays(poses_a), _arrays(poses_b)], count, usual_size)
+    return job.run(Path(out), executor, partition_size, progress)
 
 
 def track(
     model: _core.Model,
-    frames: ArrayLike | Sequence[ArrayLike],
+    frames: ArrayLike | Iterable[ArrayLike],
     other: _core.Model,
     poses: PosesLike = None,
     poses_other: PosesLike = None,
@@ -114,26 +117,23 @@ def track(
 ) -> Report:
     """limber3d.track() on many processes or machines. The model itself is left as it is.
 
-    Shape     frames is an array (n, v, 3), which may be larger than memory, or a sequence of n arrays (v, 3).
+    Shape     frames is an array (n, v, 3), which may be larger than memory, or a sequence of n arrays (v, 3), or an
+              iterator over them, which is read into memory.
     Promise   Each partition starts with a model just made of the mesh that `model` has, and has the bits of
               limber3d.track() from there. So where several pairs of triangles are equally close up to rounding, and
               within an error that is allowed, answers depend on partition_size as well.
     Folder, Options, Raises   As sweep(); ValueError if there are not as many poses as frames.
     """
+    if isinstance(frames, Iterator):
+        frames = [_array(frame).copy() for frame in frames]  # it may fill one array again and again
     listed: Any = frames if hasattr(frames, "__getitem__") else numpy.asarray(frames)
     size = _core.Batch(model, other, poses, poses_other).size
     if size is not None and size != len(listed):
         raise ValueError(f"frames: there are {len(listed)}, and {size} poses; expected as many, or one pose")
-    of_model, of_other = _arrays(poses), _arrays(poses_other)
-    given: list[Iterable[_AnyArray]] = [map(_array, listed), of_model, of_other]
     usual_size = max(1, min(_MOST_FRAMES, _MOST_FRAME_BYTES // model.vertices.nbytes))
-
-    def part(begin: int, end: int) -> tuple[list[_AnyArray], PosesLike, PosesLike]:
-        wanted = slice(begin, end)
-        return [_array(listed[i]) for i in range(begin, end)], _at(of_model, wanted), _at(of_other, wanted)
-
-    batch = _Batch(_tracked, "distance", options, [model, other], given, len(listed), part, usual_size)
-    return batch.run(Path(out), executor, partition_size, progress)
+    both = [_arrays(poses), _arrays(poses_other)]
+    job = _BatchJob("distance", options, [model, other], both, len(listed), usual_size, listed)
+    return job.run(Path(out), executor, partition_size, progress)
 
 
 def read(out: str | os.PathLike[str]) -> RecordArray:
@@ -147,7 +147,9 @@ def read(out: str | os.PathLike[str]) -> RecordArray:
     if not files:
         raise FileNotFoundError(f"out: there are no answers in {out}")
     found = [part for part in map(_load, files) if part is not None]
-    label = found[0][0] if found else {"count": 1, "partition_size": 1}
+    if not found:
+        raise ValueError(f"out: all partitions in {out} are damaged")
+    label = found[0][0]
     count = max(1, -(-label["count"] // label["partition_size"]))
     if [theirs for theirs, _ in found] != [label | {"partition": i} for i in range(count)]:
         raise ValueError(f"out: of {count} partitions in {out}, some are missing or damaged, or of another batch")
@@ -155,17 +157,21 @@ def read(out: str | os.PathLike[str]) -> RecordArray:
 
 
 @dataclass(frozen=True)
-class _Batch:
-    """A batch that was asked for."""
+class _BatchJob:
+    """What was asked about poses of two models, or about frames of the first."""
 
-    call: Callable[..., RecordArray]  # of each partition
     query: str
     options: dict[str, float]
     models: Sequence[_core.Model]
-    given: Sequence[Iterable[_AnyArray]]  # poses and frames: what tells this batch from others
-    count: int
-    part: Callable[[int, int], tuple[Any, ...]]  # the last arguments of the call
-    usual_size: int
+    poses: Sequence[list[_AnyArray]]  # of each model, as _arrays() has them
+    count: int  # of poses or frames
+    usual_size: int  # of a partition
+    frames: Any = None  # a sequence
+
+    def part(self, begin: int, end: int) -> tuple[Any, ...]:
+        """The frames, if there are any, and the poses of a partition."""
+        frames = () if self.frames is None else ([_array(self.frames[i]) for i in range(begin, end)],)
+        return *frames, *(_at(arrays, slice(begin, end)) for arrays in self.poses)
 
     def run(self, out: Path, executor: Any, partition_size: int | None, progress: bool) -> Report:
         """Answers what is missing in a folder. The errors of workers are raised; what was done stays done."""
@@ -175,22 +181,28 @@ class _Batch:
             raise ValueError(f"partition_size: expected at least 1, got {size}")
         if self.query not in _QUERIES:
             raise ValueError(f"query: expected one of {', '.join(_QUERIES)}; got {self.query!r}")
-        _QUERIES[self.query](*self.models, threads=1, **self.options)  # raises where options or models are wrong
+        # Asked without poses, for the errors alone that wrong options or models have.
+        _QUERIES[self.query](*self.models, threads=1, **self.options)
+        is_swept = self.frames is None
+        call: Callable[..., RecordArray] = _swept if is_swept else _tracked
+        given: list[Any] = [*self.poses] if is_swept else [self.frames, *self.poses]
         meshes = [(model.vertices, model.faces) for model in self.models]
-        label: dict[str, Any] = {"version": _core.version, "batch": self.call.__name__[1:], "query": self.query}
-        label |= {name: float(self.options[name]) for name in sorted(self.options)}
-        label |= {"models": list(map(_digest, meshes)), "given": list(map(_digest, self.given))}
+        kind = "swept" if is_swept else "tracked"
+        label: dict[str, Any] = {"version": _core.version, "batch": kind, "query": self.query}
+        label |= {name: float(self.options[name]) for name in sorted(self.options)}  # none is named as others here
+        label |= {"models": list(map(_digest, meshes)), "given": list(map(_digest, given))}
         label |= {"count": self.count, "partition_size": size}
         parts = [(begin, min(begin + size, self.count)) for begin in range(0, max(1, self.count), size)]
         with _pool(executor) as (pool, width, build), progress_bar(self.count, progress) as advance:
             out.mkdir(parents=True, exist_ok=True)
             found = _found(out, label)
             advance(sum(parts[i][1] - parts[i][0] for i in found))
-            head = _core.version, self.call, build(meshes), self.query, self.options
+            head = _core.version, call, build(meshes), self.query, self.options
             tasks = ((i, (*head, *self.part(*part))) for i, part in enumerate(parts) if i not in found)
-            for i, records in _answers(pool, width, tasks):
-                _save(out, label, i, parts[i][0], records)
-                advance(len(records))
+            with closing(_answers(pool, width, tasks)) as answers:
+                for i, records in answers:
+                    _save(out, label, i, parts[i][0], records)
+                    advance(len(records))
         return Report(self.count, len(parts), len(found))
 
 
@@ -211,14 +223,14 @@ def _at(arrays: list[_AnyArray], where: Any) -> Any:
     return found if len(found) == 2 else found[0] if found else None
 
 
-def _digest(arrays: Iterable[_AnyArray]) -> str:
+def _digest(arrays: Iterable[ArrayLike]) -> str:
     """A name for content: SHA-256 of arrays, their element types and shapes."""
     digest = hashlib.sha256()
-    for array in arrays:
+    for array in map(_array, arrays):
         digest.update(f"{array.dtype.str}{array.shape}".encode())
         rows = numpy.atleast_1d(array)
-        for begin in range(0, len(rows), _ROWS):
-            digest.update(numpy.ascontiguousarray(rows[begin : begin + _ROWS]).data)
+        for begin in range(0, len(rows), _HASHED_ROWS):
+            digest.update(numpy.ascontiguousarray(rows[begin : begin + _HASHED_ROWS]).data)
     return digest.hexdigest()
 
 
@@ -245,7 +257,7 @@ def _answer(version: str, call: Callable[..., RecordArray], *arguments: Any) -> 
 
 @contextmanager
 def _pool(executor: Any) -> Generator[tuple[Executor, Callable[[], int], Callable[..., Any]], None, None]:
-    """What runs partitions, how many at a time, and what builds the models that they take."""
+    """What runs partitions, how many threads it has, and what builds the models that they take."""
     if executor is None:
         width = len(os.sched_getaffinity(0))
         with ThreadPoolExecutor(width) as threads:
@@ -266,8 +278,9 @@ def _pool(executor: Any) -> Generator[tuple[Executor, Callable[[], int], Callabl
 
 def _answers(
     pool: Executor, width: Callable[[], int], tasks: Iterator[tuple[int, tuple[Any, ...]]]
-) -> Iterator[tuple[int, RecordArray]]:
-    """The answers of partitions, in any order. Few are under way at a time: they are in memory."""
+) -> Generator[tuple[int, RecordArray], None, None]:
+    """The numbers of partitions and their answers, in any order. Few are under way at a time: they are in memory. Who
+    closes this before the end cancels those under way."""
     running: dict[Future[RecordArray], int] = {}
     try:
         while True:

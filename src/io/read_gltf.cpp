@@ -1,16 +1,24 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A glTF file as a whole: its parts, and the nodes of its scene.
+// A glTF file as a whole:
+// 1. split() takes it apart: a .gltf file is a JSON description, a .glb file holds one and a binary chunk.
+// 2. check_version() and check_extensions() refuse what would be read wrongly.
+// 3. read_scene() walks the nodes of one scene, and lists which mesh is shown where.
+// 4. read_gltf() counts what is shown, before it takes memory for it and has the meshes appended.
 #include "io/gltf.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "io/scan.h"
 #include "limber/geometry.h"
@@ -18,6 +26,108 @@
 
 namespace limber::io {
 namespace {
+
+struct GltfContents {
+  std::string_view description;
+  std::optional<std::string_view> binary_chunk;
+};
+
+/// Splits a .glb file: a header, then chunks of a length, a type and that many bytes. Chunks of unknown types are
+/// passed over, and so are up to 7 bytes after the last one, too few for another.
+GltfContents split_binary(std::string_view file) {
+  constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
+  constexpr std::string_view json_type = "JSON", binary_type = std::string_view("BIN\0", 4);
+  const auto refuse_beyond = [](std::uint64_t promised, std::size_t there) {
+    if (promised <= there) return;
+    throw malformed("promises " + std::to_string(promised) + " bytes but has " + std::to_string(there));
+  };
+  if (file.size() < header_bytes + chunk_header_bytes) throw malformed("ends inside its header");
+  if (const std::uint64_t version = unsigned_number(file.substr(4, 4)); version != 2) {
+    const std::string text = "is a binary glTF file of version " + std::to_string(version);
+    throw BadResult({ErrorCode::unsupported_format, text + ", only version 2 is read", {}});
+  }
+  const std::uint64_t length = unsigned_number(file.substr(8, 4));
+  refuse_beyond(length, file.size());
+  if (length < header_bytes + chunk_header_bytes) {
+    throw malformed("its header promises " + std::to_string(length) + " bytes, which leave no room for a chunk");
+  }
+  file = file.substr(0, static_cast<std::size_t>(length));
+
+  GltfContents contents;
+  std::size_t at = header_bytes;
+  for (bool is_first = true; at + chunk_header_bytes <= file.size(); is_first = false) {
+    const std::uint64_t chunk_bytes = unsigned_number(file.substr(at, 4));
+    const std::string_view type = file.substr(at + 4, 4);
+    at += chunk_header_bytes;
+    refuse_beyond(at + chunk_bytes, file.size());
+    const std::string_view chunk = file.substr(at, static_cast<std::size_t>(chunk_bytes));
+    at += static_cast<std::size_t>(chunk_bytes);
+    if (is_first != (type == json_type)) throw malformed("its first chunk alone must be JSON");
+    if (is_first) contents.description = chunk;
+    if (type == binary_type && !contents.binary_chunk) contents.binary_chunk = chunk;
+  }
+  return contents;
+}
+
+GltfContents split(std::string_view file) {
+  if (file.starts_with("glTF")) return split_binary(file);
+  if (!trimmed(without_byte_order_mark(file)).starts_with('{')) throw malformed("is not a glTF file");
+  return {file, {}};
+}
+
+void check_version(const JsonItem& description) {
+  const JsonItem asset = description.item("asset");
+  const bool is_minimum = asset.has("minVersion");
+  const char* const key = is_minimum ? "minVersion" : "version";
+  const std::string_view version = asset.text(key);
+  if (is_minimum ? version == "2.0" : version.starts_with("2.")) return;
+  asset.refuse(std::string(key) + " " + in_quotes(version) + " is not read, only version 2.x and minVersion 2.0",
+               ErrorCode::unsupported_format);
+}
+
+/// Refuses files that require an extension, unless it is read or cannot change where vertices are and how they are
+/// joined. An extension that changes the geometry must be required, by its own rules. Only EXT_mesh_gpu_instancing and
+/// KHR_node_visibility need not be: they are read wherever a node has them.
+void check_extensions(const JsonItem& description) {
+  constexpr std::array<std::string_view, 7> harmless = {"KHR_materials_", "KHR_texture_", "KHR_lights_",  "KHR_xmp",
+                                                        "EXT_texture_",   "EXT_lights_",  "MSFT_texture_"};
+  constexpr std::array<std::string_view, 3> read = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
+                                                    "KHR_node_visibility"};
+  for (const Json& entry : description.list("extensionsRequired")) {
+    if (!entry.is_string()) description.refuse("extensionsRequired holds something that is not a string");
+    const std::string_view name = entry.get_ref<const std::string&>();
+    if (std::any_of(harmless.begin(), harmless.end(), [&](auto prefix) { return name.starts_with(prefix); })) continue;
+    if (std::find(read.begin(), read.end(), name) != read.end()) continue;
+    constexpr std::size_t shown_name_length = 80;  // room for a whole name, which words of a file rarely need
+    description.refuse("requires the glTF extension " + in_quotes(name, shown_name_length) + ", which is not read",
+                       ErrorCode::unsupported_format);
+  }
+}
+
+/// The children of each node, and last the roots that a scene lists.
+///
+/// Errors   `malformed_file` where they name no node, or one twice: nodes must be trees, whose roots the scene lists.
+std::vector<std::vector<std::size_t>> lists_of_nodes(const JsonItem& description, const JsonItem& scene) {
+  constexpr auto none = static_cast<std::size_t>(-1);
+  const std::size_t node_count = description.list("nodes").size();
+  std::vector<std::vector<std::size_t>> lists(node_count + 1);
+  std::vector<std::size_t> listed_by(node_count, none);
+  for (std::size_t n = 0; n <= node_count; ++n) {
+    const JsonItem user = n < node_count ? description.item("nodes", n, "node", description) : scene;
+    const char* const key = n < node_count ? "children" : "nodes";
+    for (const Json& entry : user.list(key)) {
+      const std::uint64_t index = whole_entry(entry, user, key);
+      const JsonItem listed = description.item("nodes", index, "node", user);  // refuses what does not exist
+      const std::size_t earlier = std::exchange(listed_by[static_cast<std::size_t>(index)], n);
+      if (earlier != none) {
+        const std::string name = earlier < node_count ? "node " + std::to_string(earlier) : scene.name();
+        listed.refuse("is listed by " + name + " and again by " + user.name() + ", but nodes must form trees");
+      }
+      lists[n].push_back(static_cast<std::size_t>(index));
+    }
+  }
+  return lists;
+}
 
 AffineMap parent_from_node(const JsonItem& node) {
   if (!node.has("matrix")) {
@@ -30,137 +140,10 @@ AffineMap parent_from_node(const JsonItem& node) {
   return map_of_matrix(node.numbers("matrix", 16), node);
 }
 
-/// The nodes of a file and their parents.
-class Nodes {
- public:
-  explicit Nodes(const JsonItem& description)
-      : description_(description), parents_(description.list("nodes").size(), none) {
-    for (std::size_t n = 0; n < parents_.size(); ++n) {
-      for (const std::size_t child : indices(node(n, description), "children")) {
-        if (parents_[child] != none) {
-          node(child, description)
-              .refuse("is a child of node " + std::to_string(parents_[child]) + " and again of node " +
-                      std::to_string(n) + ", but nodes must form trees");
-        }
-        parents_[child] = n;
-      }
-    }
-  }
-
-  JsonItem node(std::uint64_t index, const JsonItem& user) const {
-    return description_.item("nodes", index, "node", user);
-  }
-
-  /// A property that lists nodes.
-  std::vector<std::size_t> indices(const JsonItem& user, const char* key) const {
-    std::vector<std::size_t> found;
-    for (const Json& entry : user.list(key)) {
-      const std::uint64_t index = whole_entry(entry, user, key);
-      node(index, user);  // refuses what does not exist
-      found.push_back(static_cast<std::size_t>(index));
-    }
-    return found;
-  }
-
-  /// The roots of a scene.
-  std::vector<std::size_t> roots(const JsonItem& scene) const {
-    std::vector<std::size_t> found = indices(scene, "nodes");
-    std::vector<bool> is_listed(parents_.size());
-    for (const std::size_t root : found) {
-      if (parents_[root] != none) {
-        scene.refuse("lists node " + std::to_string(root) + ", a child of node " + std::to_string(parents_[root]));
-      }
-      if (is_listed[root]) scene.refuse("lists node " + std::to_string(root) + " twice");
-      is_listed[root] = true;
-    }
-    return found;
-  }
-
- private:
-  static constexpr std::size_t none = static_cast<std::size_t>(-1);
-
-  const JsonItem& description_;
-  std::vector<std::size_t> parents_;
-};
-
-/// The parts of a .gltf file, which is all description, or of a .glb file.
-struct Parts {
-  std::string_view description;
-  std::optional<std::string_view> binary_chunk;
-};
-
-/// Splits a .glb file: a header, then chunks of a length, a type and that many bytes. Unknown chunks are passed over.
-Parts split_binary(std::string_view file) {
-  constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
-  constexpr std::string_view json_type = "JSON", binary_type = std::string_view("BIN\0", 4);
-  if (file.size() < header_bytes + chunk_header_bytes) throw malformed("ends inside its header");
-  const std::uint64_t version = unsigned_number(file.substr(4, 4));
-  if (version != 2) {
-    throw BadResult({ErrorCode::unsupported_format,
-                     "is a binary glTF file of version " + std::to_string(version) + ", only version 2 is read",
-                     {}});
-  }
-  const auto refuse_beyond = [&](std::uint64_t promised, std::size_t there) {
-    if (promised <= there) return;
-    throw malformed("promises " + std::to_string(promised) + " bytes but has " + std::to_string(there));
-  };
-  const std::uint64_t length = unsigned_number(file.substr(8, 4));
-  refuse_beyond(length, file.size());
-  file = file.substr(0, static_cast<std::size_t>(length));
-
-  Parts parts;
-  std::size_t at = header_bytes;
-  for (bool is_first = true; at + chunk_header_bytes <= file.size(); is_first = false) {
-    const std::uint64_t chunk_bytes = unsigned_number(file.substr(at, 4));
-    const std::string_view type = file.substr(at + 4, 4);
-    at += chunk_header_bytes;
-    refuse_beyond(at + chunk_bytes, file.size());
-    const std::string_view chunk = file.substr(at, static_cast<std::size_t>(chunk_bytes));
-    at += static_cast<std::size_t>(chunk_bytes);
-    if (is_first != (type == json_type)) throw malformed("its first chunk alone must be JSON");
-    if (is_first) parts.description = chunk;
-    if (type == binary_type && !parts.binary_chunk) parts.binary_chunk = chunk;
-  }
-  return parts;
-}
-
-Parts split(std::string_view file) {
-  if (file.starts_with("glTF")) return split_binary(file);
-  const std::size_t first = std::min(file.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), file.size());
-  if (!file.substr(first).starts_with('{')) throw malformed("is not a glTF file");
-  return {file, {}};
-}
-
-void check_version(const JsonItem& description) {
-  const JsonItem asset = description.item("asset");
-  const char* const key = asset.has("minVersion") ? "minVersion" : "version";
-  const std::string_view version = asset.text(key);
-  if (key == std::string_view("minVersion") ? version == "2.0" : version.starts_with("2.")) return;
-  asset.refuse(std::string(key) + " " + in_quotes(version) + " is not read, only glTF 2.0",
-               ErrorCode::unsupported_format);
-}
-
-/// Refuses files that require an extension, unless it is read or cannot change where vertices are and how they are
-/// joined. An extension that changes the geometry must be required, by its own rules, except the two of nodes.
-void check_extensions(const JsonItem& description) {
-  constexpr std::array<std::string_view, 7> harmless = {"KHR_materials_", "KHR_texture_", "KHR_lights_",  "KHR_xmp",
-                                                        "EXT_texture_",   "EXT_lights_",  "MSFT_texture_"};
-  constexpr std::array<std::string_view, 3> read = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
-                                                    "KHR_node_visibility"};
-  for (const Json& entry : description.list("extensionsRequired")) {
-    if (!entry.is_string()) description.refuse("extensionsRequired holds something that is not a string");
-    const std::string_view name = entry.get_ref<const std::string&>();
-    if (std::any_of(harmless.begin(), harmless.end(), [&](auto prefix) { return name.starts_with(prefix); })) continue;
-    if (std::find(read.begin(), read.end(), name) != read.end()) continue;
-    constexpr std::size_t shown_name_length = 80;
-    description.refuse("requires the glTF extension " + in_quotes(name, shown_name_length) + ", which is not read",
-                       ErrorCode::unsupported_format);
-  }
-}
-
-/// Refuses scenes that would fill the memory.
+/// Refuses a scene that would fill the memory. `element_count` counts all that is shown up to this node, which shows
+/// `mesh`; `file_bytes` are those of all files that were read.
 void check_total(double element_count, std::uint64_t file_bytes, const GltfMesh& mesh, const JsonItem& node) {
-  constexpr std::uint64_t most_ids = 0x7fff'ffffU;
+  constexpr std::uint64_t most_ids = 0x7fff'ffffU;  // with a factor of 2 below no_id
   const std::uint64_t limit = std::min(
       most_ids, std::max(mesh_file_limits::gltf_elements, mesh_file_limits::gltf_elements_per_byte * file_bytes));
   if (element_count <= static_cast<double>(limit)) return;
@@ -188,6 +171,7 @@ AffineMap map_of_matrix(std::span<const double> m, const JsonItem& user) {
 
 AffineMap map_of_parts(std::span<const double> t, std::span<const double> q, std::span<const double> s,
                        const JsonItem& user) {
+  // The matrix of the unit quaternion, with its columns scaled.
   const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
   if (!(norm > 0) || !std::isfinite(norm)) user.refuse("its rotation is not a quaternion of finite length above 0");
   const double x = q[0] / norm, y = q[1] / norm, z = q[2] / norm, w = q[3] / norm;
@@ -203,9 +187,9 @@ AffineMap map_of_parts(std::span<const double> t, std::span<const double> q, std
 GltfScene read_scene(const JsonItem& description) {
   if (description.list("scenes").empty()) description.refuse("has no scene", ErrorCode::empty_mesh);
   const JsonItem scene = description.item("scenes", description.whole("scene", 0), "scene", description);
-  const Nodes nodes(description);
+  const auto lists = lists_of_nodes(description, scene);
 
-  // One parent each and roots without any: the walk below meets every node at most once, so it ends.
+  // No node is listed twice: the walk meets each at most once, so it ends.
   struct Visit {
     std::size_t node;
     AffineMap world_from_parent;
@@ -217,29 +201,30 @@ GltfScene read_scene(const JsonItem& description) {
   };
   GltfScene result;
   if (description.has("skins")) result.world_from_node.resize(description.list("nodes").size());
-  push(nodes.roots(scene), {}, true);
+  push(lists.back(), {}, true);
   while (!open.empty()) {
     const Visit visit = open.back();
     open.pop_back();
-    const JsonItem node = nodes.node(visit.node, scene);
+    const JsonItem node = description.item("nodes", visit.node, "node", scene);
     const AffineMap world_from_node = visit.world_from_parent * parent_from_node(node);
     const std::optional<JsonItem> visibility = node.extension("KHR_node_visibility");
     const bool is_visible = visit.is_visible && (!visibility || visibility->flag("visible", true));
     if (is_visible && node.has("mesh")) result.instances.push_back({node.whole("mesh"), world_from_node, node});
     if (!result.world_from_node.empty()) result.world_from_node[visit.node] = world_from_node;
-    push(nodes.indices(node, "children"), world_from_node, is_visible);
+    push(lists[visit.node], world_from_node, is_visible);
   }
   return result;
 }
 
 Soup read_gltf(std::string_view file, const BufferSource& external) {
-  const Parts parts = split(file);
-  const Json json = parse_json(parts.description);
+  const GltfContents contents = split(file);
+  const Json json = parse_json(contents.description);
   const JsonItem description(json, "");
   check_version(description);
   check_extensions(description);
-  GltfBuffers buffers(description, parts.binary_chunk, external,
-                      mesh_file_limits::bytes - std::min<std::uint64_t>(mesh_file_limits::bytes, file.size()));
+  const std::uint64_t most_buffer_bytes =  // all files together have the limit of one
+      mesh_file_limits::bytes - std::min<std::uint64_t>(mesh_file_limits::bytes, file.size());
+  GltfBuffers buffers(description, contents.binary_chunk, external, most_buffer_bytes);
   GltfMeshes meshes(description, buffers);
   const GltfScene scene = read_scene(description);
 
@@ -249,7 +234,8 @@ Soup read_gltf(std::string_view file, const BufferSource& external) {
   for (const MeshInstance& instance : scene.instances) {
     const GltfMesh& mesh = meshes.mesh(instance);
     const std::size_t shown_count = meshes.shown_count(instance.node);
-    const double own_count = shown_count == 1 ? 0 : 4;  // an instance has a transform and a name
+    // Each of several instances has a transform and a name, which take about as much memory as 4 vertices.
+    const double own_count = shown_count == 1 ? 0 : 4;
     element_count += static_cast<double>(shown_count) * (own_count + meshes.element_count(instance));
     check_total(element_count, file.size() + buffers.file_bytes(), mesh, instance.node);
     vertex_count += shown_count * mesh.vertex_count;

@@ -469,6 +469,11 @@ TEST_F(Gltf, broken_binary_containers_are_malformed) {
   changed = sound;
   changed[binary - 4] += 4;
   refused("a.glb", changed, ErrorCode::malformed_file, "promises");
+  for (const char length : {'\0', '\x0c', '\x13'}) {  // of the file, too short for a chunk
+    changed = sound;
+    changed.replace(8, 4, std::string{length, '\0', '\0', '\0'});
+    refused("a.glb", changed, ErrorCode::malformed_file, "no room for a chunk");
+  }
 }
 
 }  // namespace

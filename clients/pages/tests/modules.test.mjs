@@ -10,7 +10,7 @@ import { module, pages } from './support.mjs';
 
 const { shown, grouped, inPage, median } = await module('shared/numbers.ts');
 const { labelPlace } = await module('shared/marks.ts');
-const { worstFirst } = await module('viewer/data.ts');
+const { stretchesThatMeet, worstFirst } = await module('viewer/data.ts');
 
 test('numbers are shown in few digits, texts of the terminal with the units of pages', () => {
   assert.deepEqual(
@@ -32,6 +32,12 @@ test('the worst frames come first', () => {
   const deep = { ...rows, depth: [0.5, 0, 1, 0, 0, 0] };
   assert.deepEqual(worstFirst({ rows }), [1, 4, 2, 0, 5, 3]);
   assert.deepEqual(worstFirst({ rows: deep }), [2, 0, 1, 4, 5, 3]);
+});
+
+test('stretches of frames meet where one of their frames does, in any playing', () => {
+  const status = Array.from({ length: 14 }, (_, row) => ([3, 6, 11].includes(row) ? 'collision' : 'exact'));
+  const met = (length) => [...stretchesThatMeet({ rows: { status }, frame_count: 7 }, length)].join(' ');
+  assert.deepEqual([1, 2, 4].map(met), ['3 6 4', '1 3 2', '0 1']);
 });
 
 test('labels stay off their segment and off badges, and inside', () => {

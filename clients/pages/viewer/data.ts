@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** What clients/program/reports writes: answers about pairs of models, row by row, and the models. */
+/**
+ * What clients/program/reports and verbs/replay.cpp write: answers about pairs of models, row by row, and the models.
+ * Names with _ are keys of what is written. readData() completes it, where one kind of data lacks what others have.
+ */
 
 import { byId } from '../shared/dom.ts';
 import type { FramesData, QuantizedPoints } from '../shared/decode.ts';
@@ -16,45 +19,39 @@ export interface ModelData {
   triangles: number;
   vertices: number;
   corners: string;
-  /** Of a mesh that does not deform. */
-  positions?: QuantizedPoints;
-  /** Of one that does. */
-  frames?: FramesData;
+  positions?: QuantizedPoints; // of a mesh that does not deform
+  frames?: FramesData; // of one that does
   faces?: number;
   closed?: boolean;
-  /** Of the box in the model's own frame. */
-  low?: Point;
+  low?: Point; // of the box in the model's own frame
   high?: Point;
 }
 
-/** Lists with an entry for each answer. */
-interface Rows {
-  /** Numbers of parts. */
-  a: number[];
+/** Columns that pairs alone have. */
+interface PairColumns {
+  clash: Clash[];
+  solids: ('apart' | 'touching' | 'overlapping' | 'equal' | Nesting | null)[];
+  inside: (Nesting | null)[];
+  accepted: (number | null)[]; // the line of the file of accepted pairs
+  intersecting: ([string, string] | null)[]; // ids of the triangles of A that intersect B, and of B that intersect A
+}
+
+/** Columns that frames alone have. */
+type FrameColumns = { update_us: number[]; moved_vertices: number[] };
+
+/** Columns: lists with an entry for each answer. */
+interface Rows extends Partial<PairColumns>, Partial<FrameColumns> {
+  a: number[]; // numbers of parts
   b: number[];
-  /** Their numbers in the table that the program has written. */
-  row: number[];
+  row: number[]; // its number in the table that the program has written
   status: ('exact' | 'within_error' | 'collision' | 'beyond_limit')[];
   lower: (number | null)[];
   upper: (number | null)[];
   /** Both points; triangles and faces that they lie on. Null also where a frame has been left out. */
   witness: (number[] | null)[];
-  /** Null where no clearance is required, or the meshes cannot tell. */
-  too_close: (boolean | null)[];
-  /** No shorter translation takes one out of the other. */
-  depth: (number | null)[];
+  too_close: (boolean | null)[]; // null where no clearance is required, or the meshes cannot tell
+  depth: (number | null)[]; // a length: no shorter translation takes one model out of the other
   query_us: number[];
-  // The following are those of pairs.
-  clash?: Clash[];
-  solids?: ('apart' | 'touching' | 'overlapping' | 'equal' | Nesting | null)[];
-  inside?: (Nesting | null)[];
-  /** The line of the file of accepted pairs. */
-  accepted?: (number | null)[];
-  /** Ids of triangles of both that intersect the other. */
-  intersecting?: ([string, string] | null)[];
-  // The following are those of frames.
-  update_us?: number[];
-  moved_vertices?: number[];
 }
 
 export interface Data {
@@ -79,60 +76,62 @@ export interface Data {
   /** How many rows are of each kind and not accepted, also where the page does not have them all. */
   counts: Partial<Record<Clash, number>>;
   accepted: number;
-  /** Without those that are accepted. */
+  /** How many rows are too close and not accepted, while `rows.too_close` says of each whether it is too close. */
   too_close: number;
   /** What only the page of one pair has. */
-  pair?: {
-    build_us: number;
-    node_tests: number;
-    primitive_tests: number;
-    intersections: number;
-  };
-  /** Of frames; rows are more where a sequence is played again. Every `stride`-th is kept. */
-  frame_count: number;
-  stride: number;
-  max_megabytes: number;
-  engine: string;
+  pair?: { build_us: number; node_tests: number; primitive_tests: number; intersections: number };
+  frame_count: number; // rows are more where a sequence is played again
+  stride: number; // of every `stride` frames the page can show the first
   contacts: { name: string; query_us: number[]; count: number[]; intersecting: number[] }[];
+  max_megabytes?: number; // of frames: the limit because of which some are left out
+  engine?: string; // of frames: what has answered
   /** What only `limber demo` has. */
   demo?: {
     introduction: string;
-    /** Names and texts, as on the terminal. */
-    summary: [string, string][];
+    summary: [string, string][]; // names and texts, as on the terminal
     /** The second query of each frame. */
     rough: { relative_error: number; lower: number[]; upper: number[]; query_us: number[] };
   };
 }
 
-/** The data of the page, completed where its kind leaves something out. */
+/** What is missing in data of frames: nothing is tolerated or accepted, and totalOf() counts rows, not kinds. */
+const missingOfFrames = { tolerance: 0, mesh_error: 0, counts: {}, accepted: 0 };
+/** What is missing in data of pairs. */
+const missingOfPairs = { frame_count: 1, stride: 1, contacts: [] };
+
+/** The data of the page. Of frames it also makes `worst_first`, `too_close`, and the columns a, b and row. */
 export function readData(): Data {
-  const written = JSON.parse(byId('data').textContent ?? 'null');
+  const written = JSON.parse(byId('data').textContent!) as Partial<Data> & { format: number };
   const expected = document.querySelector<HTMLMetaElement>('meta[name="limber-data"]')!.content;
   if (String(written.format) !== expected) throw new Error(`data of format ${written.format}, not ${expected}`);
-  const none = { title: '', unit: '', tolerance: 0, mesh_error: 0, counts: {}, accepted: 0 };
-  const data: Data = { ...none, frame_count: 1, stride: 1, contacts: [], ...written };
+  const data = { ...missingOfFrames, ...missingOfPairs, ...written } as Data;
   if (data.kind !== 'frames') return data;
   const { status, too_close } = data.rows;
   Object.assign(data.rows, { a: status.map(() => 0), b: status.map(() => 1), row: status.map((_, row) => row) });
-  data.too_close = too_close.filter((is) => is).length;
+  data.too_close = too_close.filter(Boolean).length;
   data.worst_first = worstFirst(data);
   return data;
 }
 
+/** Whether the models of a row have a point in common. */
 export const meetsIn = ({ rows }: Pick<Data, 'rows'>, row: number): boolean => rows.status[row] === 'collision';
+
+/** The numbers of the stretches of `length` frames, counted from the first frame, in which the models ever meet. */
+export const stretchesThatMeet = ({ rows, frame_count }: Pick<Data, 'rows' | 'frame_count'>, length: number) =>
+  new Set(rows.status.flatMap((_, row) => (meetsIn({ rows }, row) ? Math.floor((row % frame_count) / length) : [])));
 
 /** The numbers of frames, the worst first: the deepest, then those where the models touch, then the nearest. */
 export function worstFirst(data: Data): number[] {
   const { lower, upper, depth } = data.rows;
-  const keys = upper.map((most, row) => [
-    -(depth[row] ?? 0),
-    meetsIn(data, row) ? 0 : (most ?? Infinity),
-    lower[row] ?? Infinity,
-  ]);
-  const order = keys.map((_, row) => row);
-  const compared = (r: number, s: number, key: number): number =>
-    keys[r][key] === keys[s][key] ? 0 : keys[r][key] - keys[s][key];
-  return order.sort((r, s) => compared(r, s, 0) || compared(r, s, 1) || compared(r, s, 2) || r - s);
+  const keys = upper.map((most, row) => {
+    const nearness = meetsIn(data, row) ? 0 : (most ?? Infinity);
+    return [-(depth[row] ?? 0), nearness, lower[row] ?? Infinity, row];
+  });
+  const compared = (r: number[], s: number[]): number => {
+    const differing = r.findIndex((number, k) => number !== s[k]); // the rows do
+    return r[differing] - s[differing];
+  };
+  return keys.sort(compared).map(([, , , row]) => row);
 }
 
 /** How many rows there are: more than the page has, where they are too many for it. */

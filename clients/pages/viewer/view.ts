@@ -1,7 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** The models of a row in 3D, with their names, what hides them, the path of one that moves, and where to look from. */
+/**
+ * The models of a row in 3D. View.show() draws them, and marks their names and closest points above; buttons say where
+ * to look from, boxes what is shown. Of frames, a model that moves as a whole has a path, and the view may follow it.
+ * Lists of two are about A and B. The view has its own coordinates, in which all that it can show has size 1.
+ */
 
 import { Box3, Matrix4, Vector3 } from 'three';
 import { increasingIdsOf } from '../shared/decode.ts';
@@ -10,38 +14,41 @@ import { Marks } from '../shared/marks.ts';
 import { withUnit } from '../shared/numbers.ts';
 import { Surface } from '../shared/surface.ts';
 import { Viewer, frameOf, upY, upZ, usualUp } from '../shared/viewer.ts';
-import { meetsIn } from './data.ts';
+import { meetsIn, stretchesThatMeet } from './data.ts';
 import type { Data } from './data.ts';
 import type { Part } from './models.ts';
 import { captionOf, shownBounds } from './texts.ts';
 
+// How things look, and from how near, is a matter of taste: no answer depends on it.
 const otherOpacity = 0.1; // of parts that are not asked about
 const clearOpacity = 0.3; // of what is seen through to see another
-const smallestRadius = 2e-4; // of what the closest points are looked at with
-const mostPathPoints = 1000;
-const sizesAround = 3; // of the model, in the view that follows it
+// The closest points are looked at in a sphere of this radius: by their distance, by the size of both boxes, and
+// by that size where the models meet.
+const closeUp = { smallest: 2e-4, ofDistance: 2.5, mostOfBoxes: 0.6, ofBoxesThatMeet: 0.1 };
+const followedSizes = 3; // a view that follows a model shows so many of its sizes across
+const mostPathPoints = 1000; // more would be closer than a screen can show
 
-/** Where the buttons look from where y is up; "whole" shows three sides. */
-const sides = { whole: [0.55, 0.62, 0.75], top: [0, 1, 1e-4], front: [0, 0, 1], side: [1, 0, 0] } as const;
+/** From where the buttons look, where y is up; "whole" shows three sides. */
+const directions = { whole: [0.55, 0.62, 0.75], top: [0, 1, 1e-4], front: [0, 0, 1], side: [1, 0, 0] } as const;
 
 export class View {
   private readonly data: Data;
   private readonly parts: readonly Part[];
   private readonly viewer: Viewer;
   private readonly marks: Marks;
-  private readonly surfaces = [new Surface(), new Surface()] as const; // A and B
+  private readonly surfaces = [new Surface(), new Surface()] as const;
   private readonly others: readonly Surface[]; // by part, where they stand together
-  private readonly whole: Matrix4; // the frame of all parts
-  private readonly names = (['A', 'B'] as const).map((name, i) => ({
+  private readonly viewFromWorldOfAll: Matrix4; // all parts fit into it
+  private readonly names = (['A', 'B'] as const).map((name, ab) => ({
     name,
     at: new Vector3(),
-    isShown: () => this.surfaces[i].object.visible,
+    isShown: () => this.surfaces[ab].object.visible,
   }));
-  // Of the row that is shown: how the world is drawn, and what is drawn of it.
+  // Of the row that is shown:
   private row = 0;
-  private frame: Matrix4;
+  private viewFromWorld: Matrix4;
   private pair: readonly Part[] = [];
-  private boxes: readonly Box3[] = [];
+  private boxes: readonly Box3[] = []; // of both in all frames, in the view's coordinates
   private closest = { center: new Vector3(), radius: 0.5 };
 
   /** Shows the row `first`. */
@@ -51,8 +58,8 @@ export class View {
     this.viewer = new Viewer(byId('view'), usualUp(data.models.map(({ name }) => name)));
     this.marks = new Marks(this.viewer);
     byId('view').setAttribute('aria-label', `Both models in 3D: ${document.title}`);
-    this.whole = frameOf(parts.reduce((all, { bounds }) => all.union(bounds), new Box3()));
-    this.frame = this.whole;
+    this.viewFromWorldOfAll = frameOf(parts.reduce((all, { bounds }) => all.union(bounds), new Box3()));
+    this.viewFromWorld = this.viewFromWorldOfAll;
     this.others = data.kind === 'parts' ? parts.map(() => new Surface()) : [];
     this.others.forEach((other, part) => {
       other.show(parts[part].model.geometry, this.placed(parts[part]));
@@ -70,54 +77,54 @@ export class View {
     if (data.kind === 'frames') this.connectTraveller();
   }
 
-  /** Shows another row; of pairs, from the same side as the one before. */
+  /** Shows another row; of pairs, from the direction of the one before. Pre: of frames, the page has the row's one. */
   show(row: number): void {
     const { rows, kind } = this.data;
     const isAgain = this.pair.length > 0;
     this.row = row;
     this.pair = [rows.a[row], rows.b[row]].map((part) => this.parts[part]);
     const bounds = this.pair.map((part) => part.bounds);
-    // Poses of a list may be far apart: each has a frame of its own, in which float32 resolves it.
-    this.frame = kind === 'pairs' ? frameOf(bounds[0].clone().union(bounds[1])) : this.whole;
-    this.boxes = bounds.map((box) => box.clone().applyMatrix4(this.frame));
-    this.pair.forEach((part, side) => {
-      part.model.moveTo(this.shownFrame);
-      this.surfaces[side].show(part.model.geometry, this.placed(part));
-      const met = rows.intersecting?.[row]?.[side];
-      this.surfaces[side].mark(increasingIdsOf(met ?? ''));
+    // Poses of a list may be far apart: each row has coordinates of its own, in which float32 resolves it.
+    this.viewFromWorld = kind === 'pairs' ? frameOf(bounds[0].clone().union(bounds[1])) : this.viewFromWorldOfAll;
+    this.boxes = bounds.map((box) => box.clone().applyMatrix4(this.viewFromWorld));
+    this.pair.forEach((part, ab) => {
+      part.model.moveTo(this.keptFrame);
+      this.surfaces[ab].show(part.model.geometry, this.placed(part));
+      this.surfaces[ab].mark(increasingIdsOf(rows.intersecting?.[row]?.[ab] ?? ''));
     });
+    // Where models meet, each hides the other: a row starts with what shows most, and a reader may change that.
     if (kind !== 'frames') this.box('see-through').checked = meetsIn(this.data, row);
     this.showSurfaces();
     this.showRelief();
     this.showMarks();
     if (isAgain && kind !== 'frames') this.viewer.lookAtBoxes(this.boxes, this.viewer.from);
-    if (kind === 'frames' && this.box('follow').checked) this.viewer.moveTo(this.travellerAt(this.shownFrame));
+    if (kind === 'frames' && this.box('follow').checked) this.viewer.moveTo(this.travellerAt(this.keptFrame));
   }
 
-  /** The number of the frame among those that the page has. */
-  private get shownFrame(): number {
+  /** The number of the row's frame among those that the page has, every `stride`-th one; 0 of pairs. */
+  private get keptFrame(): number {
     return (this.row % this.data.frame_count) / this.data.stride;
   }
 
   private box = (id: string): HTMLInputElement => byId<HTMLInputElement>(id);
 
-  private placed = (part: Part): Matrix4 => this.frame.clone().multiply(part.placeAt(this.shownFrame));
+  private placed = (part: Part): Matrix4 => this.viewFromWorld.clone().multiply(part.placeAt(this.keptFrame));
 
   private recolor(): void {
-    this.surfaces.forEach((surface, i) => surface.setColors(`model-${'ab'[i]}`, 'hit'));
+    this.surfaces.forEach((surface, ab) => surface.setColors(`model-${'ab'[ab]}`, 'hit'));
     for (const other of this.others) other.setColors('edge', 'hit');
     this.viewer.request();
   }
 
-  /** Where models meet, each hides the other; what encloses the other is seen through anyhow. */
+  /** Shows and hides surfaces as the boxes say. A model is seen through where they say so, or it encloses the other. */
   private showSurfaces(): void {
     const { solids, inside } = this.data.rows;
     const isOn = (id: string): boolean => document.querySelector<HTMLInputElement>(`#${id}`)?.checked === true;
-    this.surfaces.forEach((surface, side) => {
-      const encloses = side === 0 ? 'b_inside_a' : 'a_inside_b';
+    this.surfaces.forEach((surface, ab) => {
+      const encloses = ab === 0 ? 'b_inside_a' : 'a_inside_b';
       const isAround = solids?.[this.row] === encloses || inside?.[this.row] === encloses;
       surface.setOpacity(isOn('see-through') || isAround ? clearOpacity : 1);
-      surface.object.visible = isOn(`show-${'ab'[side]}`);
+      surface.object.visible = isOn(`show-${'ab'[ab]}`);
     });
     this.others.forEach(({ object }, part) => {
       object.visible = isOn('show-others') && !this.pair.includes(this.parts[part]);
@@ -128,13 +135,14 @@ export class View {
   /** Makes what is high of a deforming mesh lighter than what is low, and places names at the highest points. */
   private showRelief(): void {
     const { up } = this.viewer;
-    this.pair.forEach(({ model }, i) => {
-      const { min, max } = this.boxes[i];
-      if (model.deforms) this.surfaces[i].shadeByHeight(up, up.dot(min), up.dot(max));
-      this.names[i].at.copy(this.surfaces[i].farthestAlong(up));
+    this.pair.forEach(({ model }, ab) => {
+      const { min, max } = this.boxes[ab];
+      if (model.deforms) this.surfaces[ab].shadeByHeight(up, up.dot(min), up.dot(max));
+      this.names[ab].at.copy(this.surfaces[ab].farthestAlong(up));
     });
   }
 
+  /** Marks the closest points, or the shared one, if the row has any; tells the button and the caption about them. */
   private showMarks(): void {
     const { rows } = this.data;
     const meets = meetsIn(this.data, this.row);
@@ -143,44 +151,43 @@ export class View {
     byId('closest').textContent = meets ? 'Shared point' : 'Closest points';
     byId('view-caption').textContent = captionOf(this.data, this.row);
     if (witness === null) return this.marks.show({ segment: undefined });
-    const [a, b] = [0, 3].map((at) => new Vector3().fromArray(witness, at).applyMatrix4(this.frame));
+    const [a, b] = [0, 3].map((at) => new Vector3().fromArray(witness, at).applyMatrix4(this.viewFromWorld));
     const size = this.boxes[0].clone().union(this.boxes[1]).getSize(new Vector3()).length();
-    const near = Math.max(smallestRadius, Math.min(0.6 * size, 2.5 * a.distanceTo(b)));
-    this.closest = { center: a.clone().lerp(b, 0.5), radius: meets ? 0.1 * size : near };
+    const near = Math.min(closeUp.mostOfBoxes * size, closeUp.ofDistance * a.distanceTo(b));
+    const radius = meets ? closeUp.ofBoxesThatMeet * size : Math.max(closeUp.smallest, near);
+    this.closest = { center: a.clone().lerp(b, 0.5), radius };
     const label = meets ? 'shared point' : withUnit(shownBounds(rows.lower[this.row], rows.upper[this.row]));
     this.marks.show({ segment: { a, b: meets ? a : b, label } });
   }
 
-  /** Looks at all that may be shown from a direction that a button names. */
-  private lookFrom(side: keyof typeof sides): void {
-    const [x, y, z] = sides[side];
+  /** Looks at both models, wherever they are in any frame, from where a button says. */
+  private lookFrom([x, y, z]: readonly [number, number, number]): void {
     this.viewer.lookAtBoxes(this.boxes, this.viewer.up.z === 1 ? new Vector3(x, -z, y) : new Vector3(x, y, z));
   }
 
-  /** The buttons that say where to look from, and the choice of what is up. Starts by showing all. */
+  /** Connects the buttons that say where to look from, and the choice of what is up. Starts with the whole pair. */
   private connectDirections(): void {
-    for (const side of Object.keys(sides) as (keyof typeof sides)[]) {
-      byId(side).addEventListener('click', () => this.lookFrom(side));
-    }
+    for (const [id, from] of Object.entries(directions)) byId(id).addEventListener('click', () => this.lookFrom(from));
     byId('closest').addEventListener('click', () => this.viewer.lookAt(this.closest.center, this.closest.radius));
     const choice = byId<HTMLSelectElement>('up');
     choice.value = this.viewer.up.z === 1 ? 'z' : 'y';
     choice.addEventListener('change', () => {
       this.viewer.setUp(choice.value === 'z' ? upZ : upY);
       this.showRelief();
-      this.lookFrom('whole');
+      this.lookFrom(directions.whole);
     });
-    this.lookFrom('whole');
+    this.lookFrom(directions.whole);
   }
 
   // --- the model that moves as a whole ---
 
-  /** Of both, B where it moves. */
+  /** Which model moves as a whole: B if it does, else A, if any does. */
   private get traveller(): number {
     return this.pair[1].moves ? 1 : 0;
   }
 
-  private travellerAt = (frame: number): Vector3 => this.pair[this.traveller].centerAt(frame).applyMatrix4(this.frame);
+  private travellerAt = (frame: number): Vector3 =>
+    this.pair[this.traveller].centerAt(frame).applyMatrix4(this.viewFromWorld);
 
   /** Connects the controls of path and follower; hides them where no model moves. */
   private connectTraveller(): void {
@@ -191,20 +198,21 @@ export class View {
     if (!part.moves) return;
     byId('follow-text').textContent = `Follow ${name}`;
     byId('path-caption').textContent = `The line is the path of ${name}, with dots where the models touch.`;
-    const count = Math.ceil(frame_count / stride);
-    const step = Math.ceil(count / mostPathPoints);
-    const shown = Array.from({ length: Math.ceil(count / step) }, (_, i) => i * step);
-    const dots = shown.filter((frame) => meetsIn(this.data, frame * stride)).map(this.travellerAt);
-    const path = { points: shown.map(this.travellerAt), dots };
+    // The path has every step-th frame of the page, and stands there for all frames, and all playings, up to the next.
+    const step = Math.ceil(frame_count / stride / mostPathPoints);
+    const count = Math.ceil(frame_count / (step * stride));
+    const points = Array.from({ length: count }, (_, i) => this.travellerAt(i * step));
+    const touched = stretchesThatMeet(this.data, step * stride);
+    const path = { points, dots: points.filter((_, i) => touched.has(i)) };
     this.marks.show({ path });
     showPath.addEventListener('change', () => this.marks.show({ path: showPath.checked ? path : undefined }));
     const stop = (): boolean => (follow.checked = false);
-    for (const id of [...Object.keys(sides), 'closest']) byId(id).addEventListener('click', stop);
+    for (const id of [...Object.keys(directions), 'closest']) byId(id).addEventListener('click', stop);
     byId('up').addEventListener('change', stop);
     follow.addEventListener('change', () => {
-      if (!follow.checked) return this.lookFrom('whole');
-      const radius = ((sizesAround * part.model.size) / 2) * this.frame.getMaxScaleOnAxis();
-      this.viewer.lookAt(this.travellerAt(this.shownFrame), radius);
+      if (!follow.checked) return this.lookFrom(directions.whole);
+      const radius = ((followedSizes * part.model.size) / 2) * this.viewFromWorld.getMaxScaleOnAxis();
+      this.viewer.lookAt(this.travellerAt(this.keptFrame), radius);
     });
   }
 }

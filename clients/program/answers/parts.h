@@ -11,7 +11,8 @@
 
 #include "answers/models.h"
 
-/// Many models that stand somewhere, and pairs of them, as files of pairs and of parts say it.
+/// Models that stand somewhere, and the pairs of them that `limber distance` is asked about: pairs_of_file() has those
+/// of a table of pairs, pairs_of_parts() those of the parts in a table or in one mesh file.
 namespace limber::program {
 
 /// A model where it stands. The model must outlive it.
@@ -39,14 +40,14 @@ struct AskedPairs {
   StudyKind kind = StudyKind::pairs;
   std::vector<StudyPart> parts;
   std::vector<PartPair> pairs;
-  std::map<std::string, std::unique_ptr<RigidModel>> models;
+  std::map<std::string, std::unique_ptr<RigidModel>> models;  ///< by what tells one file, or part of it, from others
 };
 
 /// The pairs of a file of pairs. Errors: BadInput naming the place.
 AskedPairs pairs_of_file(const std::string& path);
 
-/// The pairs of the parts that a table or one mesh file has: those that may be so near, or one inside the other, in
-/// their order. Errors: BadInput naming the place.
+/// The pairs of the parts that a table or one mesh file has, in the order of their numbers: those whose bounds are at
+/// most `max_distance` apart, among them all of which one is inside the other. Errors: BadInput naming the place.
 AskedPairs pairs_of_parts(const std::string& path, double max_distance);
 
 /// A name of a model as pages show it: without its folders.

@@ -269,8 +269,9 @@ TEST(ProgramTolerances, AcceptedPairsAreToldAndDoNotCount) {
 TEST(ProgramParts, OfOneFileAreThoseOfManyFiles) {
   const Folder folder;
   const std::string texts[] = {box_text(0, 1, 1), box_text(1, 2, 1), box_text(1.5, 3, 1)};
-  const std::string whole = folder.store(
-      "all.obj", "o wall\n" + texts[0] + "o pin 1\n" + box_text(1, 2, 1, 8) + "o pin 2\n" + box_text(1.5, 3, 1, 16));
+  const std::string whole =  // the line has no triangle, so it is no part, but its face counts
+      folder.store("all.obj", "o wall\n" + texts[0] + "o line\nf 1 2\no pin 1\n" + box_text(1, 2, 1, 8) + "o pin 2\n" +
+                                  box_text(1.5, 3, 1, 16));
   std::string csv = "name,model\n";
   const char* const names[] = {"wall", "pin 1", "pin 2"};
   for (int i = 0; i < 3; ++i) {
@@ -286,7 +287,7 @@ TEST(ProgramParts, OfOneFileAreThoseOfManyFiles) {
   }
   EXPECT_EQ(of_file[0]["clash"], "touching");
   EXPECT_EQ(of_file[2]["clash"], "hard_clash");
-  EXPECT_EQ(of_file[2]["witness"]["face_b"].get<int>() / 6, 2);  // faces are those of the file
+  EXPECT_EQ((of_file[2]["witness"]["face_b"].get<int>() - 1) / 6, 2);  // faces are those of the file
   expect_refused("distance --parts " + texts[0].substr(0, 1) + ".obj", "v.obj");
 }
 
