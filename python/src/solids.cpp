@@ -46,7 +46,7 @@ SolidRelationResult relation_of(ClosedSurfaceObject& a, ClosedSurfaceObject& b, 
                                 const PoseLike& pose_b, const BudgetObject* budget) {
   return SurfacePair(a, b, pose_a, pose_b)
       .ask(budget, [](const PlacedSurface& placed_a, const PlacedSurface& placed_b, const QueryBudget& limits) {
-        return solid_relation(placed_a, placed_b, limits);
+        return solid_relation(placed_a, placed_b, {limits});
       });
 }
 
