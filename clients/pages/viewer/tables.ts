@@ -116,7 +116,7 @@ export function showModels(data: Data, models: readonly Model[]): void {
   );
   const off = Math.max(...models.map(({ step }) => step)) / 2;
   byId('settings').textContent = [
-    ...(data.kind === 'frames' ? [`Engine: ${data.engine}.`] : []),
+    ...(data.kind === 'frames' ? [`Models: ${data.engine}.`] : []),
     `Its pictures hold coordinates within ${shownLength(off, 2)}; numbers in tables are the program\u2019s own.`,
     ...(data.relative_error > 0 ? [`Allowed relative error: ${data.relative_error}.`] : []),
     ...(data.absolute_error > 0 ? [`Allowed absolute error: ${data.absolute_error}.`] : []),
