@@ -68,7 +68,7 @@ struct PairOptions {
 
 /// How many pairs were found.
 struct PairCount {
-  std::size_t count = 0;    ///< all that were found, whether or not they fitted
+  std::size_t count = 0;    ///< all that were found, whether or not they fitted; of the closest pairs, those written
   bool is_complete = true;  ///< false if the visitor or the budget has ended the query: there may be more
   StoppedBy stopped_by = StoppedBy::nothing;  ///< which limit of the budget, if it was that
   QueryStats stats{};
@@ -102,9 +102,7 @@ LIMBER_API PairCount visit_contacts(const Placed& a, const Placed& b, double mar
 LIMBER_API PairCount contacts(const Placed& a, const Placed& b, double margin, std::span<Contact> contacts,
                               const PairOptions& options = {});
 
-/// Which pairs closest_pairs() looks for.
-///
-/// Alias    As PairOptions.
+/// Which pairs closest_pairs() looks for. As PairOptions, it refers to the filter.
 struct ClosestPairsOptions {
   double max_distance = std::numeric_limits<double>::infinity();  ///< pairs farther apart do not count; >= 0
   std::optional<TrianglePairFilter> filter = std::nullopt;        ///< all pairs count without one
@@ -119,31 +117,22 @@ struct ClosestPairsOptions {
 ///          them is not defined.
 /// Budget   If it is spent first, the pairs are the closest of those that were compared, each right, none twice. Near
 ///          pairs of nodes are compared before far ones.
-/// Throws   As visit_intersections(); also unless max_distance is >= 0 or infinite.
+/// Throws   As visit_intersections(); also unless max_distance is >= 0; it may be infinite.
 /// Cost     As visit_intersections().
 LIMBER_API PairCount closest_pairs(const Placed& a, const Placed& b, std::span<Contact> closest,
                                    const ClosestPairsOptions& options = {});
 
-// --- one model with itself ---
-//
-// Pairs of different triangles of one model, each once, with a < b. Triangles that share vertices, by id, meet only if
-// they have a point in common beyond what they share by these: a vertex, the edge between two, or all of a triangle. So
-// two triangles of the same three vertices never meet, in whichever order these are. That is decided exactly. Otherwise
-// such neighbors do not count, however close they are. Equal positions under different ids are not shared: such
-// triangles meet. Poses do not matter, so there are none; results are in the model's own frame. Normals of contacts
-// take the side of the outsides, as for two models, but for neighbors: a fold has turned them anyhow. All queries cost
-// what self_collide() does.
+// --- one model with itself: self_collide() says which pairs meet, and what neighbors are ---
 
-/// Alias    As PairOptions.
+/// Which pairs self_collide() looks for. As PairOptions, it refers to the filter.
 struct SelfQueryOptions {
   std::optional<TrianglePairFilter> filter = std::nullopt;  ///< all pairs count without one
   QueryCache* cache = nullptr;                              ///< of the last answer; null for none
   QueryBudget budget = {};                                  ///< when the query has to end
 };
 
-/// How good the answer of self_distance() must be, as DistanceOptions says, and which pairs count.
-///
-/// Alias    As PairOptions.
+/// How good the answer of self_distance() must be, as DistanceOptions says, and which pairs count. As PairOptions, it
+/// refers to the filter.
 struct SelfDistanceOptions {
   double relative_error = 0, absolute_error = 0;
   double max_distance = std::numeric_limits<double>::infinity();
@@ -152,13 +141,18 @@ struct SelfDistanceOptions {
   QueryBudget budget = {};                                  ///< when the query has to end
 };
 
-/// Whether a model meets itself; stops at the first such pair found.
+/// Whether a model meets itself: whether any two of its triangles meet. Stops at the first such pair found.
 ///
-/// Promise  Decided exactly. The witness names a pair that meets, in the model's own frame.
+/// Pairs    Of all self-queries: two different triangles of the model, each pair once, with a < b. Two triangles are
+///          neighbors if they share vertices, by id. Neighbors meet only if they have a point in common beyond what
+///          they share by these: a vertex, the edge between two, or all of a triangle. So two triangles of the same
+///          three vertices never meet, in whichever order these are. Others meet if they intersect, also at equal
+///          positions under different ids. Within a distance or margin, neighbors that do not meet do not count.
+/// Frame    Of all self-queries: the model's own; poses do not matter, so there are none.
+/// Promise  Decided exactly. The witness names a pair that meets.
 /// Cache    The pair of the last answer is compared first: while it meets, it is the answer, for the cost of one pair
-///          of triangles. Nothing but that pair is used, so filters may change from call to call. Any cache will do,
-///          also one that another model, another mesh or queries of two models have filled: which pair is the witness
-///          may depend on it, and nothing else.
+///          of triangles. Nothing but that pair is used, so filters may change, and any cache will do, also one that
+///          another model or queries of two models have filled. Which pair is the witness may depend on it, no more.
 /// Budget   As collide().
 /// Throws   std::invalid_argument unless the model is committed; whatever the filter throws.
 /// Cost     In practice O(n) for surfaces that do not meet themselves, O(n log n) for triangles around one vertex or
@@ -169,17 +163,17 @@ LIMBER_API CollideResult self_collide(const Model& model, const SelfQueryOptions
 /// The shortest distance of two triangles that are no neighbors; 0 if the model meets itself. If there is no pair at
 /// most max_distance apart, the status is `beyond_limit`.
 ///
-/// Promise  As distance(), for those pairs. If no error is asked for, upper is the least distance that closest_points()
-///          gives for any of them, smaller id first, to the bit; so is the status.
+/// Promise  As distance(), for those pairs. If no error is asked for, upper and status are those of the least distance
+///          that closest_points() gives for any of them, smaller id first, to the bit.
 /// Cache    The pair of the last answer is compared first and gives an upper bound. What is said there about other
 ///          caches holds here; where errors are asked for, the interval may depend on it, within these errors.
-/// Throws   As self_collide(); also unless the options are what DistanceOptions says.
+/// Throws   As self_collide(); also unless the options are what DistanceOptions says. Cost as there.
 LIMBER_API DistanceResult self_distance(const Model& model, const SelfDistanceOptions& options = {});
 
 /// All pairs of triangles that meet.
 ///
 /// Promise  As visit_intersections().
-/// Throws   As self_collide(); whatever the visitor throws.
+/// Throws   As self_collide(); whatever the visitor throws. Cost as there.
 LIMBER_API PairCount visit_self_intersections(const Model& model, TrianglePairVisitor visit,
                                               const PairOptions& options = {});
 LIMBER_API PairCount self_intersections(const Model& model, std::span<TrianglePair> pairs,
@@ -187,8 +181,10 @@ LIMBER_API PairCount self_intersections(const Model& model, std::span<TrianglePa
 
 /// All pairs of triangles that meet, or are no neighbors and at most `margin` apart.
 ///
-/// Promise  As visit_contacts().
+/// Promise  As visit_contacts(). The normals of neighbors do not keep to the outsides: where a surface is folded, these
+///          do not tell which way is out.
 /// Throws   As visit_self_intersections(); also unless the margin is finite and >= 0.
+/// Cost     As self_collide(), and the pairs within the margin.
 LIMBER_API PairCount visit_self_contacts(const Model& model, double margin, ContactVisitor visit,
                                          const PairOptions& options = {});
 LIMBER_API PairCount self_contacts(const Model& model, double margin, std::span<Contact> contacts,
@@ -197,7 +193,7 @@ LIMBER_API PairCount self_contacts(const Model& model, double margin, std::span<
 /// The closest pairs of triangles that meet or are no neighbors, as many as `closest` has room for, nearest first, as
 /// closest_pairs() says.
 ///
-/// Throws   As self_collide(); also unless max_distance is >= 0 or infinite.
+/// Throws   As self_collide(); also unless max_distance is >= 0; it may be infinite.
 LIMBER_API PairCount self_closest_pairs(const Model& model, std::span<Contact> closest,
                                         const ClosestPairsOptions& options = {});
 
@@ -245,7 +241,7 @@ class NeighborRings {
 /// Scratch memory of reduce_contacts(), kept from call to call: it grows to what the largest call needs.
 ///
 /// Cost     250 bytes a contact, allocated by calls that need more than those before.
-/// Threads  One call at a time.
+/// Threads  One call at a time. One that has been moved from is as new.
 class ReductionMemory {
  public:
   LIMBER_API ReductionMemory();
@@ -263,6 +259,7 @@ class ReductionMemory {
   std::unique_ptr<Impl> impl_;
 };
 
+/// What a patch is for reduce_contacts(), and how much of it is kept.
 struct ReductionOptions {
   double max_angle = 0.5;                   ///< between normals of one patch, in radians; from 0 to pi
   std::size_t max_points = 4;               ///< contacts that are kept of a patch; at least 1
@@ -284,8 +281,9 @@ struct ReductionOptions {
 ///          removed ones are behind them, the deepest first. patch_ids[i] becomes the number of the patch of contact i,
 ///          from 0, for the kept contacts that there is room for.
 /// Promise  Each removed contact is at most `radius` away from a kept one that is at least as deep and whose normal is
-///          within `max_angle`, up to rounding. First contacts of patches are farther apart than that.
-///          The result does not depend on the order of the input, but for contacts that are equal in all numbers.
+///          within `max_angle`. Of any two first contacts of patches, the positions are more than `radius` apart or the
+///          normals more than `max_angle`. Both are up to rounding. The result does not depend on the order of the
+///          input, but for contacts that are equal in all numbers.
 /// Throws   std::invalid_argument unless the radius is finite and above 0, the options are what their comments say, all
 ///          numbers of the contacts are finite, and no normal is 0 or longer than 1, up to rounding to float32;
 ///          std::bad_alloc. The contacts are then as they were.

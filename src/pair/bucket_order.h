@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/check.h"
-#include "bvh/tree.h"
 #include "pair/collectors/collector.h"
 #include "pair/node_pair.h"
 #include "pair/pruning.h"
@@ -23,7 +22,7 @@ namespace limber::pair {
 /// which leads to contacts soonest. The others are taken nearest first, to within one of 64 equal buckets between the
 /// least bound and the one from which on pairs are pruned: a queue that orders them exactly costs more than it saves.
 /// When the buckets are full, more pairs go to the stack. It is taken last in, first out, so its size is at most about
-/// `width` times the depth of both trees.
+/// bvh::width times the depth of both trees.
 class BucketQueue {
  public:
   bool empty() const { return stack_size_ == 0 && filled_ == 0; }
@@ -74,7 +73,7 @@ class BucketQueue {
     return least;
   }
 
-  /// Whether no pair that is left has a bound below `limit_sq`, as far as can be told at once.
+  /// Whether the buckets tell that no pair that is left has a bound below `limit_sq`. False proves nothing.
   bool all_beyond(float limit_sq) const {
     return stack_size_ == 0 && bucket_of(limit_sq) < static_cast<std::uint32_t>(std::countr_zero(filled_));
   }
@@ -127,10 +126,10 @@ class BucketQueue {
     filled_ |= std::uint64_t{1} << bucket;
   }
 
-  // Every pair taken from the stack adds less than `width` more and goes one level down one of two trees, each of at
-  // most 11 levels (2^32 triangles). Two expansions may have added `width` each before.
-  static constexpr std::uint32_t stack_capacity = 208, capacity = 2048, bucket_count = 64;
-  static constexpr std::uint32_t width = bvh::width;
+  // Every pair taken from the stack adds less than bvh::width more and goes one level down one of two trees, each of at
+  // most 11 levels (2^32 triangles). Two expansions may have added bvh::width each before. That is 192; some are spare.
+  static constexpr std::uint32_t stack_capacity = 208;
+  static constexpr std::uint32_t capacity = 2048, bucket_count = 64;  // 36 kB of pairs; the bits of filled_
   static constexpr std::uint16_t none = 0xffff;
 
   NodePair stack_[stack_capacity], pairs_[capacity];
@@ -143,14 +142,11 @@ class BucketQueue {
 };
 
 /// Decides when a traversal descends: goes straight down to two leaves, always to the nearest child, instead of taking
-/// the nearest pair of all.
-///
-/// Best first comes to leaves late, so the upper bound would stay loose for long. So a traversal begins with a descent,
-/// and descends again from time to time (docs/design/one_query.md).
+/// the nearest pair of all. Best first alone comes to leaves late, so the cutoff would stay large for long. So a
+/// traversal begins with a descent, and descends again from time to time (docs/design/one_query.md).
 class Descents {
  public:
   bool is_descending() const { return descends_; }
-  bool has_reached_leaves() const { return next_ != never; }
   /// Whether to begin another descent.
   bool is_due(std::uint64_t steps) const { return steps >= next_; }
 
@@ -165,16 +161,21 @@ class Descents {
     next_ = factor * steps;
   }
   void stop() { descends_ = false; }
-  /// Ends a descent: two leaves are compared. Returns whether there was one.
-  bool end_at_leaves(std::uint64_t steps) {
-    next_ = std::max(has_reached_leaves() ? next_ : 0, steps + steps_between);
-    return std::exchange(descends_, false);
+  /// How a traversal has come to two leaves: to the first that it compares, and straight down.
+  struct Arrival {
+    bool is_first, has_descended;
+  };
+  /// Notes that two leaves are compared, which ends a descent.
+  Arrival arrive_at_leaves(std::uint64_t steps) {
+    const bool is_first = next_ == never;
+    next_ = std::max(is_first ? 0 : next_, steps + steps_between);
+    return {is_first, std::exchange(descends_, false)};
   }
 
  private:
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   // A descent begins after so many steps without comparing leaves, and not before the number of steps is so many times
-  // what it was at the last descent.
+  // what it was at the last descent. No answer depends on it: more lower the cutoff sooner, and more are in vain.
   static constexpr std::uint64_t steps_between = 9, factor = 3;
 
   std::uint64_t next_ = never;
@@ -185,7 +186,7 @@ class Descents {
 struct BucketState {
   BucketQueue queue;
   float least_sq = 0, focus_sq = no_limit_sq;  // the bounds between which its buckets lie
-  Descents descents;  // when to go straight down to two leaves, so that the cutoff is low soon
+  Descents descents;                           // when to go straight down to two leaves, so that the cutoff is low soon
 };
 
 /// The order of PairWalk that goes best first. Pairs whose volumes overlap are taken first, the deepest overlap on top

@@ -14,8 +14,8 @@
 namespace limber::pair {
 
 // A guess of the closest pair where one model lies or moves over a flat part of the other, a floor, a wall, the top of
-// a table: the vertex nearest to the plane of that part, and the triangle at its foot in the plane. Below, the model
-// with the flat part is the ground, and the other one is above it.
+// a table: the vertex nearest to the plane of that part, and the triangle at its foot in the plane. The model with the
+// flat part is the ground, and the other one is above it.
 
 /// A part of a model that is flat for as far as the other one reaches.
 struct FlatPart {
@@ -37,25 +37,24 @@ std::optional<FlatPart> flat_part(const PlacedPair& placed, bvh::SlotId near_a, 
 std::optional<TrianglePair> likely_pair(const PlacedPair& placed, const FlatPart& part, QueryStats& stats);
 
 /// The seed of a traversal where one model is flat: a pair of triangles that is likely to be the closest. It is looked
-/// for at the roots first, and if these are not flat, once more near the first leaves that were compared.
+/// for at the roots first (make_due()), and if these are not flat, once more near the first leaves that were compared
+/// (look_near()); find() gives it, and note_close() says that it was the closest known.
 class FlatSeed {
  public:
-  bool is_due() const { return state_ == State::due; }
-  /// Whether the pair was the closest known.
-  bool was_close() const { return was_close_; }
-
   void make_due() { state_ = State::due; }
   /// Whether no pair has been looked for next to a flat part so far.
   bool may_look_near() const { return state_ == State::none; }
-  /// Looks again, near two slots. Pre: may_look_near().
+  /// Makes the seed due near two slots. Pre: may_look_near().
   void look_near(bvh::SlotId a, bvh::SlotId b) {
     LIMBER_ASSERT(may_look_near());
     near_[0] = a, near_[1] = b;
     state_ = State::due;
   }
+  bool is_due() const { return state_ == State::due; }
   void note_close() { was_close_ = true; }
+  bool was_close() const { return was_close_; }
 
-  /// Looks for the pair. Pre: is_due().
+  /// The pair, if there is a flat part. Pre: is_due().
   std::optional<TrianglePair> find(const PlacedPair& placed, QueryStats& stats) {
     LIMBER_ASSERT(is_due());
     const bool is_first = near_[0] == bvh::root_slot && near_[1] == bvh::root_slot;
@@ -69,7 +68,7 @@ class FlatSeed {
  private:
   enum class State : std::uint8_t { none, due, done };
   // Least gap between a flat part and the other model, in radii of the latter, to look for a pair before any triangles
-  // have been compared. Negative: the model's bounds may reach through the flat part.
+  // have been compared. Negative: the model's bounds may reach through the flat part. No answer depends on it.
   static constexpr double least_room = -3. / 8;
 
   State state_ = State::none;

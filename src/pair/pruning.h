@@ -17,17 +17,21 @@
 
 namespace limber::pair {
 
-/// What is done with pairs that are as far apart as the best one, up to rounding: skipped, or compared, so that the
-/// answer is the least distance to the bit, whatever pair comes first.
+/// What is done with ties, pairs that are as far apart as the best one, up to rounding: they are skipped, or compared,
+/// so that the answer is the least distance to the bit, whatever pair comes first.
 enum class Ties { skipped, compared };
 
-/// What a query prunes: pairs at least the cutoff apart. Once two triangles have been compared, it knows the
-/// direction in which they are apart, the search direction; most pairs are at least as far apart along it.
-///
-/// States   The cutoff only shrinks. There is a search direction once a pair that is apart has been compared.
+/// What a query prunes, in the words of the whole walk:
+///   cutoff            Pairs at least so far apart do not matter: they are pruned, and no answer is among them. It only
+///                     shrinks, so all that has been pruned is at least so far apart.
+///   prune distance    distance(): the cutoff, or for tiny models a larger distance, which float32 bounds can resolve.
+///   limit             The prune distance, squared and in the unit of a tree: SquaredLimits.
+///   best distance     That of the best pair so far. Where an error is allowed, the cutoff is below it.
+///   search direction  The one in which the best pair is apart: most pairs are at least as far apart along it. There is
+///                     one once a pair that is apart has been compared.
 class Pruning {
  public:
-  /// Ties are compared in any case while the cutoff is below `compared_below`.
+  /// `cutoff` is the first one. Ties are compared in any case while the cutoff is below `compared_below`.
   Pruning(const PlacedPair& placed, double cutoff, Ties ties = Ties::skipped, double compared_below = 0)
       : placed_(placed) {
     if (ties == Ties::skipped) skips_from_ = compared_below;
@@ -35,19 +39,18 @@ class Pruning {
     set_cutoff(cutoff);
   }
 
-  /// Everything that is pruned, and everything that has been compared, is at least so far apart.
   double cutoff() const { return cutoff_; }
-  /// Bounds are compared with this: the cutoff, or for tiny models a larger distance that float32 resolves.
+  /// The prune distance.
   double distance() const { return in_frame_[0].distance; }
-  /// The distance of the best pair so far that has lowered the cutoff; 0 if there is none.
+  /// 0 if no pair has lowered the cutoff.
   double best_distance() const { return best_distance_; }
   /// Whether pairs nearer than the best are pruned, because an error is allowed.
   bool has_error() const { return best_distance_ > distance(); }
   bool has_direction() const { return in_frame_[0].has_direction; }
-  /// Whether pairs as far apart as the best are skipped now. Rounding may make a skipped pair a little nearer.
+  /// Whether ties are skipped now. Rounding may make a skipped pair a little nearer.
   bool skips_ties() const { return skips_ties_; }
 
-  /// As the kernels need it, in the frame of either model.
+  /// Prune distance and search direction as the kernels need them, in the frame of either model.
   const simd::PruneLimits& of(Side s) const { return in_frame_[index(s)]; }
 
   /// Takes over what a collector has learnt.
@@ -70,11 +73,8 @@ class Pruning {
   }
 
   /// Whether two triangles are so far apart along the search direction that they need not be compared. No contact is
-  /// pruned.
-  ///
-  /// Triangles that share the corner or edge at which the best pair was found, or lie in the plane of its face, are as
-  /// far apart as the best up to rounding. They are many, and can improve the answer by no more than that, so where the
-  /// distance itself is looked for they are pruned. A pair that may be within a limit is always compared.
+  /// pruned. Triangles that share the corner or edge at which the best pair was found, or lie in the plane of its face,
+  /// are ties. They are many, and can improve the answer by no more than rounding: they are pruned while skips_ties().
   bool prunes(PlacedLeaf& a, std::uint32_t slot_a, PlacedLeaf& b, std::uint32_t slot_b) const {
     if (!has_direction()) return false;
     // Negative where they overlap. It is computed from the vertices before they are placed, and off by at most
@@ -85,7 +85,7 @@ class Pruning {
     return prunes_placed(a.at(slot_a).corners, b.at(slot_b).corners);
   }
   /// Whether no pair of triangles of two leaves need be compared, for the same reasons. False proves nothing. If true,
-  /// sets `apart` to a lower bound of their distance, or to the cutoff if that is larger.
+  /// `apart` becomes a lower bound of their distance, or the cutoff if that is larger.
   bool prunes(PlacedLeaf& a, PlacedLeaf& b, double& apart) const {
     if (!has_direction()) return false;
     const double gap = offset_ - a.support(out_of_a_, direction_number_) - b.support(out_of_b_, direction_number_);
@@ -95,7 +95,7 @@ class Pruning {
   }
 
  private:
-  // A shorter one has no direction.
+  // A shorter separation has no direction: its square comes near the least float64 number.
   static constexpr double shortest_separation = 0x1p-500;
 
   void set_cutoff(double cutoff) {
@@ -114,7 +114,8 @@ class Pruning {
     simd::PruneLimits &a = in_frame_[0], &b = in_frame_[1];
     a.has_direction = b.has_direction = true;
     for (std::size_t k = 0; k < 3; ++k) {
-      a.direction[k] = out_of_a_[k], b.direction[k] = out_of_b_[k];
+      a.direction[k] = out_of_a_[k];
+      b.direction[k] = out_of_b_[k];
       a.direction32[k] = b.other_direction32[k] = static_cast<float>(out_of_a_[k]);
       b.direction32[k] = a.other_direction32[k] = static_cast<float>(out_of_b_[k]);
     }
@@ -122,7 +123,7 @@ class Pruning {
   }
 
   /// Whether a gap along the search direction prunes; nullopt if rounding could change that. In three ranges:
-  ///   - certainly at least distance(): the pair is pruned;
+  ///   - certainly at least the prune distance: the pair is pruned;
   ///   - certainly less: it is not;
   ///   - between the two: it is pruned as a tie if ties are skipped and rounding is small next to the distance.
   /// In all of them a gap of no more than its rounding may hide a contact, and prunes nothing.
@@ -162,7 +163,7 @@ class Pruning {
   double offset_ = 0;  // of b's origin from a's along the search direction
 };
 
-/// The distance from which on pairs are pruned, squared and in the units of each tree, as bounds of nodes are.
+/// The prune distance, squared and in the unit of each tree, as bounds of nodes are: the limits.
 class SquaredLimits {
  public:
   explicit SquaredLimits(const PlacedPair& placed) : placed_(placed) {
@@ -170,7 +171,7 @@ class SquaredLimits {
     to_a_sq_[1] = static_cast<float>(std::min(ratio * ratio, largest_unit_ratio_sq));
   }
 
-  /// Takes another distance. False if it is the same as before.
+  /// Takes another prune distance. False if it is the same as before.
   bool update(double distance) {
     LIMBER_ASSERT(distance > 0);
     if (distance == distance_) return false;
@@ -216,7 +217,7 @@ class SquaredLimits {
   float to_a_sq_[2] = {1, 1};  // squared units of either tree in those of a
 };
 
-/// Candidates with a bound of at least this are pruned: their triangles are at least `distance` apart.
+/// Candidates with a squared bound of at least this are pruned: their triangles are at least `distance` apart.
 inline double limit_sq_of(const simd::Candidates& found, double distance) {
   const double limit = distance * found.scale + static_cast<double>(found.error);
   return limit * limit * double{base::squares_up};

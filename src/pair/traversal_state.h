@@ -25,20 +25,19 @@ class WholeLeaves {
   void note(bool is_pruned) { credit_ = is_pruned ? std::min(credit_ + gain, most) : credit_ - 1; }
 
  private:
-  // In failures: a success saves about two, as measured.
+  // In failures: a success saves about two, as measured. No answer depends on these numbers.
   static constexpr int gain = 2, at_first = 8, most = 64;
 
   int credit_ = 0;
 };
 
-/// What a best-first traversal carries from one step to the next, except for its cutoff and direction (Pruning). A
-/// traversal that is interrupted and finds its state again does the steps that it would have done without the
-/// interruption.
+/// What a best-first traversal carries from one step to the next, except for its cutoff and direction (Pruning). If it
+/// is interrupted and goes on with its state, it does the steps that it would have done without the interruption.
 struct TraversalState : BucketState {
   std::uint64_t steps = 0;
-  std::uint64_t work = 0;    // pairs that kernels have compared; those of a front's records too, which are no steps
-  WholeLeaves whole_leaves;  // whether leaves are tested as a whole before their triangles are compared
-  FlatSeed seed;             // a guess of the closest pair over a flat part of a model
+  std::uint64_t work = 0;  // pairs that kernels have compared; those of a front's records too, which are no steps
+  WholeLeaves whole_leaves;
+  FlatSeed seed;
 
   TraversalState() {}  // NOLINT: a defaulted one would let callers clear the queue's memory
 

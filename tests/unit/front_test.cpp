@@ -156,23 +156,23 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   Front front;
   front.begin(here, a_from_b(here));
   const std::uint16_t record = front.add({1, 2}, Side::b);
-  front.put(record, 0b101, Front::settled, 3.0);
-  front.put(record, 0b010, Front::open, 2.0);
+  front.record_children(record, 0b101, Front::Kind::settled, 3.0);
+  front.record_children(record, 0b010, Front::Kind::open, 2.0);
   EXPECT_EQ(front.bound_of(front.records()[record]), 2.0);
   front.finish(1);
   front.begin(there, a_from_b(there));
   EXPECT_NEAR(front.motion_bound(), 0.1, 1e-6);
   EXPECT_GE(front.motion_bound(), 0.1);
   EXPECT_NEAR(front.bound_of(front.records()[record]), 1.9, 1e-6);
-  EXPECT_EQ(front.take(record, 1.5), 0U);
-  EXPECT_EQ(front.take(record, 2.5), 0b010U);
+  EXPECT_EQ(front.take_children(record, 1.5), 0U);
+  EXPECT_EQ(front.take_children(record, 2.5), 0b010U);
   EXPECT_NEAR(front.bound_of(front.records()[record]), 2.9, 1e-6);
-  EXPECT_EQ(front.take(record, 4), 0b101U);
-  front.put(record, 0b001, Front::settled, 1.0);
+  EXPECT_EQ(front.take_children(record, 4), 0b101U);
+  front.record_children(record, 0b001, Front::Kind::settled, 1.0);
   EXPECT_EQ(front.bound_of(front.records()[record]), 1);
-  front.put(record, 0b100, Front::near, 0.5);
+  front.record_children(record, 0b100, Front::Kind::near, 0.5);
   EXPECT_EQ(front.bound_of(front.records()[record]), 0.5);
-  EXPECT_EQ(front.take(record, 0.75), 0b100U);  // the others stay
+  EXPECT_EQ(front.take_children(record, 0.75), 0b100U);  // the others stay
   EXPECT_EQ(front.bound_of(front.records()[record]), 1);
 }
 
