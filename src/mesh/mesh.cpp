@@ -1,5 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// Meshes: what a valid one is, how positions are read from foreign arrays, updates, and welding. What is checked of
+// positions is checked by a kernel of all at once; a loop looks for the first bad one only where there is one.
 #include "mesh/updates.h"
 
 #include <algorithm>
@@ -23,31 +26,11 @@
 namespace limber {
 namespace {
 
-// Ids and node indices are 32-bit; a binary tree over n triangles has 2 n - 1 nodes.
+// Vertices and triangles have 32-bit ids, and so have the slots of the 8-wide tree over them: each has a bit to spare.
 constexpr std::size_t max_elements = std::size_t{1} << 31;
 
-Error at_vertex(ErrorCode code, std::size_t vertex, const char* what) {
-  return {code, "vertex " + std::to_string(vertex) + " " + what, vertex};
-}
-
-Error at_entry(ErrorCode code, std::size_t entry, const std::string& what) {
-  return {code, "entry " + std::to_string(entry) + " of the update " + what, entry};
-}
-
-Error size_mismatch(const std::string& given, std::size_t given_count, const std::string& wanted, std::size_t count) {
-  return {ErrorCode::size_mismatch,
-          std::to_string(given_count) + " " + given + " for " + std::to_string(count) + " " + wanted,
-          {}};
-}
-
-Result<void> check_new_positions(std::span<const Vec3> positions) {
-  if (auto valid = check_positions(positions); !valid) {
-    const Error& error = valid.error();
-    return at_entry(
-        error.code, error.where.value_or(0),
-        error.code == ErrorCode::non_finite ? "is not finite" : "has a coordinate above the limit of 2^200");
-  }
-  return {};
+Error size_mismatch(std::size_t positions, std::size_t count, const char* wanted) {
+  return {ErrorCode::size_mismatch, std::to_string(positions) + " positions for " + std::to_string(count) + wanted, {}};
 }
 
 /// The hash of the edge from v to w; that of the opposite edge is its negative, modulo 2^64. No branch depends on ids,
@@ -63,11 +46,12 @@ std::uint64_t hash_of_edge(VertexId v, VertexId w) {
 }
 
 /// Whether each edge is run through as often in one direction as in the other; one from a vertex to itself does not
-/// count. True for all such triangles; for others with a probability of 2^-64.
+/// count. Never wrong about triangles of which that holds; about others with a probability of 2^-64, if hashes are as
+/// good as random.
 ///
 /// Based on  the boundary of a chain of triangles: the sum of their directed edges, in which opposite ones cancel.
 /// Differs   Edges are replaced by 64-bit hashes, so that the sum is a number: 0 if the boundary is, and otherwise as
-///           good as random. A table of edges would tell for certain, at many times the cost of all else that is
+///           random. A table of edges would tell for certain, at many times the cost of all else that is
 ///           checked of a new mesh.
 bool has_no_boundary(std::span<const Corners> triangles) {
   std::uint64_t sum = 0;
@@ -81,18 +65,37 @@ simd::Displacement displacements(std::span<const Vec3> from, std::span<const Vec
   return simd::kernels().max_displacement(from.data(), to.data(), to.size(), max_coordinate);
 }
 
+/// Whether all positions are finite and within the limit: the kernel says so of where displacements end.
+bool are_valid(std::span<const Vec3> positions) { return displacements(positions, positions).is_bounded; }
+
+/// Errors name the i-th position as `before`, i, `after`.
+Result<void> check_named_positions(std::span<const Vec3> positions, const char* before, const char* after) {
+  if (are_valid(positions)) return {};  // all at once, since nearly always all are
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (is_finite(positions[i]) && max_abs(positions[i]) <= max_coordinate) continue;
+    const std::string name = before + std::to_string(i) + after;
+    if (!is_finite(positions[i])) return Error{ErrorCode::non_finite, name + " is not finite", i};
+    return Error{ErrorCode::too_large, name + " has a coordinate above the limit of 2^200", i};
+  }
+  return {};
+}
+
+void require_stride(std::size_t stride_bytes) {
+  LIMBER_REQUIRE(stride_bytes <= static_cast<std::size_t>(std::numeric_limits<std::ptrdiff_t>::max()),
+                 "limber::PositionsView::strided: the stride is negative, or larger than any memory");
+}
+
+template <typename Float>
+Vec3 position_at(const unsigned char* bytes) {
+  Float v[3];
+  std::memcpy(v, bytes, sizeof(v));
+  return {v[0], v[1], v[2]};
+}
+
 }  // namespace
 
 Result<void> check_positions(std::span<const Vec3> positions) {
-  // All at once, since nearly always all are valid.
-  if (displacements(positions, positions).is_bounded) return {};
-  for (std::size_t v = 0; v < positions.size(); ++v) {
-    if (!is_finite(positions[v])) return at_vertex(ErrorCode::non_finite, v, "is not finite");
-    if (max_abs(positions[v]) > max_coordinate) {
-      return at_vertex(ErrorCode::too_large, v, "has a coordinate above the limit of 2^200");
-    }
-  }
-  return {};
+  return check_named_positions(positions, "vertex ", "");
 }
 
 Result<void> check_mesh(MeshView mesh) {
@@ -128,15 +131,6 @@ PositionsView PositionsView::packed(std::span<const double> coordinates) {
   return strided(coordinates.data(), coordinates.size() / 3, 3 * sizeof(double));
 }
 
-namespace {
-
-void require_stride(std::size_t stride_bytes) {
-  LIMBER_REQUIRE(stride_bytes <= static_cast<std::size_t>(std::numeric_limits<std::ptrdiff_t>::max()),
-                 "limber::PositionsView::strided: the stride is negative, or larger than any memory");
-}
-
-}  // namespace
-
 PositionsView PositionsView::strided(const float* first, std::size_t count, std::size_t stride_bytes) {
   require_stride(stride_bytes);
   return {first, count, stride_bytes, true};
@@ -150,14 +144,7 @@ PositionsView PositionsView::strided(const double* first, std::size_t count, std
 Vec3 PositionsView::operator[](std::size_t i) const {
   LIMBER_ASSERT(i < count_);
   const unsigned char* const at = first_ + i * stride_bytes_;
-  if (is_float32_) {
-    float v[3];
-    std::memcpy(v, at, sizeof(v));
-    return {v[0], v[1], v[2]};
-  }
-  double v[3];
-  std::memcpy(v, at, sizeof(v));
-  return {v[0], v[1], v[2]};
+  return is_float32_ ? position_at<float>(at) : position_at<double>(at);
 }
 
 void PositionsView::copy_to(std::span<Vec3> positions) const {
@@ -189,7 +176,7 @@ Result<void> Mesh::set_positions(std::span<const Vec3> positions) {
 }
 
 void MeshWriter::set_positions(Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  LIMBER_ASSERT(static_cast<bool>(check_update(mesh, ids, positions)));
+  LIMBER_VALIDATE(check_update(mesh, ids, positions));
   if (overlaps(mesh, positions)) {
     const std::vector<Vec3> copy(positions.begin(), positions.end());
     return set_positions(mesh, ids, copy);
@@ -198,7 +185,7 @@ void MeshWriter::set_positions(Mesh& mesh, std::span<const VertexId> ids, std::s
 }
 
 void MeshWriter::set_positions(Mesh& mesh, std::span<const Vec3> positions) {
-  LIMBER_ASSERT(static_cast<bool>(check_update_of_all(mesh, positions)));
+  LIMBER_VALIDATE(check_update_of_all(mesh, positions));
   if (positions.data() == mesh.positions_.data()) return;
   std::copy(positions.begin(), positions.end(), mesh.positions_.begin());
 }
@@ -210,20 +197,22 @@ bool overlaps(const Mesh& mesh, std::span<const Vec3> positions) {
 }
 
 Result<void> check_update(const Mesh& mesh, std::span<const VertexId> ids, std::span<const Vec3> positions) {
-  if (ids.size() != positions.size()) return size_mismatch("positions", positions.size(), "ids", ids.size());
+  if (ids.size() != positions.size()) return size_mismatch(positions.size(), ids.size(), " ids");
   const std::size_t vertex_count = mesh.positions().size();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (ids[i] < vertex_count) continue;
-    return at_entry(ErrorCode::index_out_of_range, i,
-                    "names vertex " + std::to_string(ids[i]) + ", but there are only " + std::to_string(vertex_count));
+    return Error{ErrorCode::index_out_of_range,
+                 "entry " + std::to_string(i) + " of the update names vertex " + std::to_string(ids[i]) +
+                     ", but there are only " + std::to_string(vertex_count),
+                 i};
   }
-  return check_new_positions(positions);
+  return check_named_positions(positions, "entry ", " of the update");
 }
 
 Result<void> check_update_of_all(const Mesh& mesh, std::span<const Vec3> positions) {
   const std::size_t vertex_count = mesh.positions().size();
-  if (positions.size() != vertex_count) return size_mismatch("positions", positions.size(), "vertices", vertex_count);
-  return check_new_positions(positions);
+  if (positions.size() != vertex_count) return size_mismatch(positions.size(), vertex_count, " vertices");
+  return check_named_positions(positions, "entry ", " of the update");
 }
 
 Result<double> check_displacements(const Mesh& mesh, std::span<const Vec3> positions) {

@@ -34,7 +34,7 @@ void MotionMargin::mark(const Mesh& mesh, VertexId vertex, bvh::DirtySet& dirty)
   dirty.add(vertex);
 }
 
-void MotionMargin::mark_all(const Mesh& mesh, bvh::DirtySet& dirty) {
+void MotionMargin::mark_everything(const Mesh& mesh, bvh::DirtySet& dirty) {
   dirty.add_all();
   if (!is_on()) return;
   LIMBER_ASSERT(fitted_.size() == mesh.positions().size());
@@ -80,7 +80,7 @@ std::size_t MotionMargin::mark_all_beyond(const Mesh& mesh, double margin, const
       dirty.add_all();  // so covers_most_of() is true
     }
     if (!dirty.covers_most_of(tree)) continue;
-    mark_all(mesh, dirty);  // makes no more work: the whole tree is going to be fitted
+    mark_everything(mesh, dirty);  // makes no more work: the whole tree is going to be fitted
     return positions.size();
   }
   return marked_count;

@@ -51,8 +51,8 @@ class MotionMargin {
   /// Pre      is_on().
   std::size_t mark_all_beyond(const Mesh& mesh, double margin, const bvh::Tree& tree, bvh::DirtySet& dirty);
 
-  /// Marks every vertex: makes the whole tree dirty.
-  void mark_all(const Mesh& mesh, bvh::DirtySet& dirty);
+  /// Marks every vertex, while it is off too: makes the whole tree dirty.
+  void mark_everything(const Mesh& mesh, bvh::DirtySet& dirty);
 
   /// Whether slack(), still an upper bound, may be far too large: vertices may have moved back since it was exact.
   bool is_stale() const { return is_on() && moves_since_exact_ > fitted_.size(); }

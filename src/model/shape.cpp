@@ -1,9 +1,16 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
+
+// The factories of Shape: each checks its arguments, and makes the mesh of the core, around which the radius is swept.
 #include "limber/shapes.h"
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,25 +32,38 @@ void check_size(double size, const char* function, const char* name) {
   check(false, function, (std::string(name) + " must be at least 0 and at most 2^200").c_str());
 }
 
+bool is_in_range(const Vec3& point) { return is_finite(point) && max_abs(point) <= max_coordinate; }
+
 void check_point(const Vec3& point, const char* function, const std::string& name) {
-  if (is_finite(point) && max_abs(point) <= max_coordinate) return;
+  if (is_in_range(point)) return;
   check(false, function, (name + " has a coordinate that is not finite, or above 2^200").c_str());
 }
 
 void check_points(std::span<const Vec3> points, const char* function) {
   check(!points.empty(), function, "there must be a point");
   check(points.size() < no_id, function, "there are more points than ids can count");
-  for (std::size_t i = 0; i < points.size(); ++i) check_point(points[i], function, "point " + std::to_string(i));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_in_range(points[i])) check_point(points[i], function, "point " + std::to_string(i));
+  }
 }
 
 /// The mesh of a core, whose arrays come from the factories.
-Mesh core(std::vector<Vec3> positions, std::vector<Corners> triangles, const char* function) {
+Mesh core_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles, const char* function) {
   Result<Mesh> mesh = Mesh::create(std::move(positions), std::move(triangles));
   if (!mesh) check(false, function, mesh.error().text.c_str());
   return std::move(mesh).value();
 }
 
-/// The triangles of a box. Corner i has the high x if bit 0 of i is set, and so on; normals point outward.
+/// The corners of a box. Corner i has the high x if bit 0 of i is set, and so on.
+std::vector<Vec3> box_corners(const Vec3& low, const Vec3& high) {
+  std::vector<Vec3> corners;
+  for (unsigned i = 0; i < 8; ++i) {
+    corners.push_back({((i & 1) != 0 ? high : low).x, ((i & 2) != 0 ? high : low).y, ((i & 4) != 0 ? high : low).z});
+  }
+  return corners;
+}
+
+/// The triangles between these corners; normals point outward.
 std::vector<Corners> box_triangles() {
   return {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
@@ -55,15 +75,19 @@ std::array<Vec3, 3> frame_of(const Vec3& v) {
   return {along, first, cross(along, first)};
 }
 
-// Most sides of the prism around a cylinder, and room for the rounding of its corners.
+// Most sides of the prism around a cylinder: 262 144 triangles. A guess: more are refused.
 constexpr std::uint32_t most_sides = 65'536;
+// Room for rounding, with u = 2^-53. In proportion to a corner's distance from the axis: 32 u. A cosine, the division
+// by it and products are off by 8 u; angles, by up to 15 u between two corners, move a side inward by 9 u.
 constexpr double prism_room = 1 + 0x1p-48;
-constexpr double pi = 3.141592653589793;
+// In proportion to coordinates and the radius: 16 u, sideways and along. Axes of the frame are off by 5 u in length
+// and, together, 8 u in direction; the coordinates of a corner are rounded twice: 4 u.
+constexpr double prism_rounding = 0x1p-49;
 
 /// By how much a regular polygon's corners are farther from its center than its sides, as a part of the latter.
 double excess(std::uint32_t sides) {
-  const double half = std::sin(pi / (2.0 * sides));
-  return 2 * half * half / std::cos(pi / sides);
+  const double half = std::sin(std::numbers::pi / (2.0 * sides));
+  return 2 * half * half / std::cos(std::numbers::pi / sides);
 }
 
 /// The fewest sides of a polygon around a circle whose corners are at most `error` away from it.
@@ -93,50 +117,48 @@ Shape::Shape(Mesh core, double radius, bool is_solid, double deviation)
 
 Shape Shape::sphere(double radius) {
   check_size(radius, "sphere", "radius");
-  return {core({Vec3{}}, {{0, 0, 0}}, "sphere"), radius, false};
+  return {core_mesh({Vec3{}}, {{0, 0, 0}}, "sphere"), radius, false};
 }
 
 Shape Shape::capsule(const Vec3& start, const Vec3& end, double radius) {
-  check_point(start, "capsule", "start"), check_point(end, "capsule", "end");
+  check_point(start, "capsule", "start");
+  check_point(end, "capsule", "end");
   check_size(radius, "capsule", "radius");
-  return {core({start, end}, {{0, 1, 1}}, "capsule"), radius, false};
+  return {core_mesh({start, end}, {{0, 1, 1}}, "capsule"), radius, false};
 }
 
 Shape Shape::box(const Vec3& half_extents, double radius) {
   for (std::size_t k = 0; k < 3; ++k) check_size(half_extents[k], "box", "each of the half extents");
   check_size(radius, "box", "radius");
-  const Vec3& h = half_extents;
-  std::vector<Vec3> corners;
-  for (unsigned i = 0; i < 8; ++i) {
-    corners.push_back({(i & 1) != 0 ? h.x : -h.x, (i & 2) != 0 ? h.y : -h.y, (i & 4) != 0 ? h.z : -h.z});
-  }
-  return {core(std::move(corners), box_triangles(), "box"), radius, true};
+  return {core_mesh(box_corners(-half_extents, half_extents), box_triangles(), "box"), radius, true};
 }
 
 Shape Shape::cylinder(const Vec3& start, const Vec3& end, double radius, double max_error) {
   const base::DefaultFloatEnvironment environment;
-  check_point(start, "cylinder", "start"), check_point(end, "cylinder", "end");
+  check_point(start, "cylinder", "start");
+  check_point(end, "cylinder", "end");
   check_size(radius, "cylinder", "radius");
   check(start != end && radius > 0, "cylinder", "start and end must differ, and the radius must be above 0");
   check_size(max_error, "cylinder", "max_error");
   check(max_error > 0, "cylinder", "max_error must be above 0");
   const std::uint32_t sides = sides_within(max_error, radius);
   const auto [along, across, up] = frame_of(end - start);
-  // What rounding may move a corner by, and the frame that is not quite perpendicular: the prism is larger by it.
-  const double rounding = 0x1p-49 * (max_abs(start) + max_abs(end) + radius);
-  const double to_corner = (radius + rounding) / std::cos(pi / sides) * prism_room;
+  // The prism is larger by what rounding may move a corner by.
+  const double rounding = prism_rounding * (max_abs(start) + max_abs(end) + radius);
+  const double to_corner = (radius + rounding) / std::cos(std::numbers::pi / sides) * prism_room;
   const Vec3 bottom = start - rounding * along, top = end + rounding * along;
   std::vector<Vec3> positions{bottom, top};
   std::vector<Corners> triangles;
   for (std::uint32_t i = 0; i < sides; ++i) {
-    const double angle = 2 * pi * i / sides;
+    const double angle = 2 * std::numbers::pi * i / sides;
     const Vec3 out = to_corner * (std::cos(angle) * across + std::sin(angle) * up);
-    positions.push_back(bottom + out), positions.push_back(top + out);
+    positions.insert(positions.end(), {bottom + out, top + out});
     const std::uint32_t here = 2 + 2 * i, next = 2 + 2 * ((i + 1) % sides);
     triangles.insert(triangles.end(), {{0, next, here}, {1, here + 1, next + 1}});
     triangles.insert(triangles.end(), {{here, next, next + 1}, {here, next + 1, here + 1}});
   }
-  return {core(std::move(positions), std::move(triangles), "cylinder"), 0, true,
+  // A corner is off by the rounding, sideways and along, and its end was moved out by as much: three times at most.
+  return {core_mesh(std::move(positions), std::move(triangles), "cylinder"), 0, true,
           (to_corner - radius + 3 * rounding) * prism_room};
 }
 
@@ -144,17 +166,14 @@ Shape Shape::half_space(const Vec3& normal, double offset, double half_extent) {
   const base::DefaultFloatEnvironment environment;
   check_point(normal, "half_space", "normal");
   check(normal != Vec3{}, "half_space", "the normal must not be 0");
-  check_size(std::abs(offset), "half_space", "the size of the offset"),
-      check_size(half_extent, "half_space", "half_extent");
+  check_size(std::abs(offset), "half_space", "the size of the offset");
+  check_size(half_extent, "half_space", "half_extent");
   check(half_extent > 0, "half_space", "half_extent must be above 0");
   const auto [along, across, up] = frame_of(normal);
-  std::vector<Vec3> corners;
-  for (unsigned i = 0; i < 8; ++i) {
-    const double x = (i & 1) != 0 ? half_extent : -half_extent, y = (i & 2) != 0 ? half_extent : -half_extent;
-    const double z = (i & 4) != 0 ? offset : offset - 2 * half_extent;
-    corners.push_back(x * across + y * up + z * along);
-  }
-  return {core(std::move(corners), box_triangles(), "half_space"), 0, true};
+  std::vector<Vec3> corners =
+      box_corners({-half_extent, -half_extent, offset - 2 * half_extent}, {half_extent, half_extent, offset});
+  for (Vec3& corner : corners) corner = corner.x * across + corner.y * up + corner.z * along;
+  return {core_mesh(std::move(corners), box_triangles(), "half_space"), 0, true};
 }
 
 Shape Shape::convex_hull(std::span<const Vec3> points, double radius) {
@@ -162,13 +181,14 @@ Shape Shape::convex_hull(std::span<const Vec3> points, double radius) {
   check_points(points, "convex_hull");
   check_size(radius, "convex_hull", "radius");
   model::Hull hull = model::convex_hull(points);
-  return {core(std::move(hull.positions), std::move(hull.triangles), "convex_hull"), radius, hull.is_solid};
+  return {core_mesh(std::move(hull.positions), std::move(hull.triangles), "convex_hull"), radius, hull.is_solid};
 }
 
 Shape Shape::height_field(std::span<const double> heights, std::size_t columns, std::size_t rows, double step_x,
                           double step_y, double radius) {
   const base::DefaultFloatEnvironment environment;
-  check_size(step_x, "height_field", "step_x"), check_size(step_y, "height_field", "step_y");
+  check_size(step_x, "height_field", "step_x");
+  check_size(step_y, "height_field", "step_y");
   check(step_x > 0 && step_y > 0, "height_field", "step_x and step_y must be above 0");
   check_size(radius, "height_field", "radius");
   // By a division: a product might wrap around.
@@ -184,7 +204,7 @@ Shape Shape::height_field(std::span<const double> heights, std::size_t columns, 
     const auto here = static_cast<VertexId>(i), above = static_cast<VertexId>(i + columns);
     triangles.insert(triangles.end(), {{here, here + 1, above + 1}, {here, above + 1, above}});
   }
-  return {core(std::move(positions), std::move(triangles), "height_field"), radius, false};
+  return {core_mesh(std::move(positions), std::move(triangles), "height_field"), radius, false};
 }
 
 Shape Shape::point_cloud(std::span<const Vec3> points, double radius) {
@@ -192,7 +212,7 @@ Shape Shape::point_cloud(std::span<const Vec3> points, double radius) {
   check_size(radius, "point_cloud", "radius");
   std::vector<Corners> triangles;
   for (VertexId i = 0; i < points.size(); ++i) triangles.push_back({i, i, i});
-  return {core({points.begin(), points.end()}, std::move(triangles), "point_cloud"), radius, false};
+  return {core_mesh({points.begin(), points.end()}, std::move(triangles), "point_cloud"), radius, false};
 }
 
 }  // namespace limber

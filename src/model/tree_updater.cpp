@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Moves only note what has to be done: dirty nodes and displacements. With a motion margin they also decide which
-// vertices stay within it; beyond, the lowest nodes of a vertex become dirty. A commit does the rest: looks at the
-// margin of all vertices if necessary, changes the unit of length in which the tree stores bounds if necessary, goes on
-// with a rebuild, refits what is dirty, and publishes the result.
+// vertices stay within it; the lowest nodes of one beyond it become dirty. A commit does the rest:
+//   1. check_margin()   looks at the margin of all vertices, if necessary;
+//   2. adapt_unit()     changes the unit of length in which the tree stores bounds, if necessary;
+//   3. goes on with a rebuild, refits what is dirty, and publishes the result.
 #include "model/tree_updater.h"
 
 #include <algorithm>
@@ -23,11 +24,13 @@ namespace {
 
 using bvh::ns_per_refit, bvh::ns_per_refit_in_pass;
 
-// What a moved vertex costs in move() and move_all(), where nothing is refitted, in ns.
+// What a moved vertex costs in move() and move_all(), where nothing is refitted, in ns. An estimate, as those of
+// bvh/refit.h, from which the time that is left for a rebuild follows.
 constexpr double ns_per_move = 10;
 
-/// Whether a batch names a quarter of the vertices or more. Without a margin, it is then cheaper to fit the whole tree.
-bool names_many(std::span<const VertexId> ids, const Mesh& mesh) { return 4 * ids.size() >= mesh.positions().size(); }
+// How many vertices ahead a position is fetched from memory. Trades waiting for filling the cache; no answer depends
+// on it.
+constexpr std::size_t prefetched = 32;
 
 }  // namespace
 
@@ -61,7 +64,8 @@ void TreeUpdater::set_motion_margin(const Mesh& mesh, double margin) {
 void TreeUpdater::note_moves(std::size_t count, double farthest_sq) {
   LIMBER_ASSERT(std::isfinite(farthest_sq));
   moves_ += count;
-  // Squares below `smallest_square` may have underflowed.
+  // Squares below `smallest_square` may have underflowed. With u = 2^-53, the squared length is off by 5 u, so its root
+  // by 3.5 u, and the sum by u: sum_up covers 8 u.
   const double upper_bound = std::sqrt(std::max(farthest_sq, smallest_square));
   sum_of_displacements_ = (sum_of_displacements_ + upper_bound) * base::sum_up;
   has_moved_ = true;
@@ -74,10 +78,8 @@ bool TreeUpdater::ensure_vertex_index(const Mesh& mesh) {
 }
 
 void TreeUpdater::mark_without_margin(const Mesh& mesh, std::span<const VertexId> ids) {
-  if (names_many(ids, mesh) || !ensure_vertex_index(mesh)) {
-    dirty_.add_all();
-    return;
-  }
+  // For a quarter of the vertices or more it is cheaper to fit the whole tree.
+  if (4 * ids.size() >= mesh.positions().size() || !ensure_vertex_index(mesh)) return dirty_.add_all();
   for (const VertexId id : ids) {
     if (dirty_.covers_most_of(tree_)) return dirty_.add_all();
     dirty_.add(id);
@@ -88,7 +90,6 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
   // All displacements are measured before any vertex moves. The batch may have an id several times, of which the
   // last counts: so each is measured from where the vertex was before the batch.
   double farthest_sq = 0;
-  constexpr std::size_t prefetched = 32;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (i + prefetched < ids.size()) __builtin_prefetch(&mesh.positions()[ids[i + prefetched]]);
     farthest_sq = std::max(farthest_sq, length_sq(positions[i] - mesh.positions()[ids[i]]));
@@ -100,7 +101,7 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
   } else if (ensure_vertex_index(mesh)) {
     margin_.mark_beyond(mesh, ids, margin_width_, dirty_);
   } else {
-    margin_.mark_all(mesh, dirty_);
+    margin_.mark_everything(mesh, dirty_);  // without the index no node of a vertex is known
   }
 }
 
@@ -125,9 +126,9 @@ void TreeUpdater::rebuild_all(const Mesh& mesh) {
   const bool had_index = dirty_.has_vertex_index();
   dirty_.vertex_index().drop();
   if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());  // if it fails, the next move tries again
-  // The new bounds are right already, but dirty_ and tree_.slack are those of the old tree. So every vertex is
-  // marked: the next commit then corrects both.
-  margin_.mark_all(mesh, dirty_);
+  // The new bounds are right already, but dirty_ and tree_.slack are those of the old tree. So every vertex is marked,
+  // without a margin too: the next commit then corrects both.
+  margin_.mark_everything(mesh, dirty_);
   has_moved_ = true;
 }
 
@@ -141,7 +142,7 @@ double TreeUpdater::expected_ns() const {
 }
 
 // The order matters. The margin decides what is dirty. A unit has to suit the positions before anything is fitted in
-// it. A rebuild may exchange the tree and the dirty nodes, so the refit comes after it.
+// it. A rebuild may exchange the tree and the dirty nodes, so the refit follows it.
 void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
   if (!has_moved_ && !must_check_all_) return;
   has_moved_ = true;  // until the end: if a step throws, the next commit does the rest
@@ -151,7 +152,11 @@ void TreeUpdater::commit(const Mesh& mesh, MaintenanceStats& stats) {
   const std::uint64_t refits = bvh::refit(tree_, margin_.fitted_mesh(mesh), dirty_);
   rebuilds_.count_refits(tree_, mesh, refits);
   publish(refits, stats);
-  clear_since_last_commit();
+  LIMBER_ASSERT(margin_.is_on() || tree_.slack == 0);
+  has_moved_ = false;
+  sum_of_displacements_ = 0;
+  moves_ = 0;
+  margin_.clear_counts();
 }
 
 void TreeUpdater::check_margin(const Mesh& mesh) {
@@ -168,12 +173,13 @@ void TreeUpdater::check_margin(const Mesh& mesh) {
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
   if (sum_of_displacements_ + tree_.slack <= bvh::units_moved_until_fit * tree_.unit) return;
   tree_.unit = bvh::bounding_box_of(mesh).unit();
-  margin_.mark_all(mesh, dirty_);
+  margin_.mark_everything(mesh, dirty_);
 }
 
 /// Tells queries, by members of the tree, and the statistics what the commit has done. Stops a margin that is 0 now.
 /// Tree::displacement is all motion since the tree was built, `sum_of_displacements_` that since the last commit, and
-/// Tree::slack how far vertices are now from where they were fitted.
+/// Tree::slack how far vertices are now from where they were fitted. `outward` is more than this sum needs, once a
+/// commit.
 void TreeUpdater::publish(std::uint64_t refits, MaintenanceStats& stats) {
   tree_.displacement = (tree_.displacement + sum_of_displacements_) * base::outward;
   stats.refits += refits;
@@ -184,14 +190,6 @@ void TreeUpdater::publish(std::uint64_t refits, MaintenanceStats& stats) {
   // check_margin() has looked at all vertices since the margin became 0, and a margin of 0 absorbs no vertex that has
   // moved. So all are where they were refitted.
   if (margin_width_ == 0) margin_.stop();
-}
-
-void TreeUpdater::clear_since_last_commit() {
-  LIMBER_ASSERT(margin_.is_on() || tree_.slack == 0);
-  has_moved_ = false;
-  sum_of_displacements_ = 0;
-  moves_ = 0;
-  margin_.clear_counts();
 }
 
 }  // namespace limber::model

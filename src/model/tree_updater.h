@@ -60,7 +60,6 @@ class TreeUpdater {
   void check_margin(const Mesh& mesh);
   void adapt_unit(const Mesh& mesh);
   void publish(std::uint64_t refits, MaintenanceStats& stats);
-  void clear_since_last_commit();
 
   bvh::Tree& tree_;
   bvh::DirtySet dirty_;

@@ -20,6 +20,19 @@
 #include "pair/pair_walk.h"
 #include "simd/kernels.h"
 
+/// The search of two moving models, or of one with itself, for elements that touch: PairWalk depth first, with
+///   SlotPair, MovingExpansion   its pairs: slots of both trees, and the time in which their boxes meet;
+///   MovingBounds                which children of a node may meet another node, and when;
+///   ImpactsOfLeaves             which elements of two leaves may touch;
+///   ImpactSearch                which puts them together, and is what callers use.
+/// A collector says what is looked for, and is offered what may touch. It needs
+///   double max_time() const;           // what touches later does not matter; it may fall while the search runs
+///   bool is_done() const;              // nothing else matters
+///   bool wants_contacts_only() const;  // pairs that certainly do not touch may be left out; only without a separation
+///   void compare(const ElementPair& pair, const MovingElements& elements);
+/// One with at_any_pace is offered pairs that may be near if each vertex is anywhere on its way, whatever others do.
+/// Pairs of leaves that both stay are left out:
+///   bool stays(Side side, const bvh::Leaf& leaf) const;
 namespace limber::motion {
 
 /// Slots of two moving trees, or of one.
@@ -35,10 +48,14 @@ struct SlotPair {
 
   /// Those that may meet first are taken before the others.
   bool comes_before(const SlotPair& other) const { return first_time < other.first_time; }
-  /// Notes in each of some pairs, the last of which is taken first, when the others may touch: what `from` has become.
+  /// `pairs` are what `from` was split into; the last is searched first. Gives each a time before which nothing touches
+  /// that is searched after it.
   static void note_later(std::span<SlotPair> pairs, const SlotPair& from) {
     double first = from.first_later_time;
-    for (SlotPair& pair : pairs) pair.first_later_time = first, first = std::min(first, pair.first_time);
+    for (SlotPair& pair : pairs) {
+      pair.first_later_time = first;
+      first = std::min(first, pair.first_time);
+    }
   }
 };
 
@@ -50,19 +67,18 @@ struct MovingExpansion {
   unsigned children;  ///< to be compared, a bit mask
   struct {
     unsigned all;
-  } kept;  ///< those that may meet the other node while the parents do
+  } kept;  ///< those that may meet the other node while the parents do, a bit mask; PairWalk knows it as kept.all
   simd::MeetingTimes times;
 
   /// For one model: pairs a slot with each later child slot of the same node, which has `count` children.
   void start_siblings(bvh::SlotId slot, std::uint32_t count) {
-    pair = SlotPair::of(slot, bvh::root_slot);
+    pair = SlotPair::of(slot, bvh::root_slot);  // the second slot is replaced by each child
     side = Side::b, node = bvh::node_of(slot);
     children = (1U << count) - (2U << bvh::slot_of(slot));
   }
 };
 
-/// The bounds of PairWalk for moving models: boxes at both ends of the motion. A collector of the first impact soon
-/// knows a time after which nothing matters. With at_any_pace (ImpactSearch), boxes are those of the whole way.
+/// The bounds of PairWalk for moving models: boxes at both ends of the motion, at any pace boxes of the whole way.
 template <typename Collector>
 class MovingBounds {
  public:
@@ -79,6 +95,7 @@ class MovingBounds {
     return {pair.first_time, std::min(pair.last_time, collector_.max_time()), separation_, at_any_pace};
   }
 
+  // The distance is for observers, of which this walk has none.
   bool prunes(const SlotPair& pair, double&) const { return pair.first_time > collector_.max_time(); }
   bool are_leaves(const SlotPair& pair) const { return is_leaf(Side::a, pair) && is_leaf(Side::b, pair); }
   std::uint32_t child_count(std::uint32_t node) const { return models_.tree(Side::a).nodes[node].child_count; }
@@ -134,20 +151,15 @@ class MovingBounds {
   QueryStats& stats_;
 };
 
-/// The visitor of PairWalk that offers a collector of ImpactSearch the pairs of elements of two leaves that may touch.
+/// The visitor of PairWalk that offers a collector the pairs of elements of two leaves that may touch.
 template <typename Collector>
 class ImpactsOfLeaves {
  public:
   ImpactsOfLeaves(const MovingPair& models, const MovingBounds<Collector>& bounds, Collector& collector,
                   pair::BudgetMeter& meter, QueryStats& stats)
-      : models_(models),
-        bounds_(bounds),
-        collector_(collector),
-        kernels_(simd::kernels()),
-        meter_(meter),
-        stats_(stats) {}
+      : models_(models), bounds_(bounds), collector_(collector), meter_(meter), stats_(stats) {}
 
-  /// To be asked before every pair: each is a step, also one that is pruned.
+  /// To be asked before every pair: each is a step, also one that is pruned. So it counts here, not in count_step().
   bool has_to_end() {
     if (collector_.is_done() || meter_.is_spent(steps_)) return true;
     ++steps_;
@@ -160,6 +172,7 @@ class ImpactsOfLeaves {
   /// were compared last.
   double first_left_time() const { return first_left_time_; }
 
+  /// Offers all, unless the collector or the budget ends that early: first_left_time() then says what is left.
   bool compare(const SlotPair& pair, bool, double&) {
     const MovingLeafOf a = models_.leaf(Side::a, pair.slot[0]), b = models_.leaf(Side::b, pair.slot[1]);
     if constexpr (at_any_pace) {
@@ -178,23 +191,25 @@ class ImpactsOfLeaves {
     // other. Those of its middle more often do.
     if (find(limits, found) >= many_candidates && !at_any_pace && turn_or_pass(a.moving, b.moving, limits)) {
       const double middle = 0.5 * (limits.begin + limits.end);
-      find({limits.begin, middle, limits.separation}, found), find({middle, limits.end, limits.separation}, later);
-      keep_new(found.vertex_face, later.vertex_face), keep_new(found.face_vertex, later.face_vertex);
+      find({limits.begin, middle, limits.separation}, found);
+      find({middle, limits.end, limits.separation}, later);
+      keep_new(found.vertex_face, later.vertex_face);
+      keep_new(found.face_vertex, later.face_vertex);
       keep_new(found.edge_edge, later.edge_edge);
     }
     for (const simd::ElementCandidates* some : {&found, &later}) {
-      compare(some->vertex_face, pair,
-              [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
-      compare(some->face_vertex, pair,
-              [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
-      compare(some->edge_edge, pair, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
+      offer(some->vertex_face, pair,
+            [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
+      offer(some->face_vertex, pair,
+            [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
+      offer(some->edge_edge, pair, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
     }
     return true;
   }
 
  private:
   static constexpr bool at_any_pace = MovingBounds<Collector>::at_any_pace;
-  // As many take longer to compare than to find again.
+  // So many pairs of elements take longer to compare than it takes to find those of both halves of the time.
   static constexpr std::uint32_t many_candidates = 16;
 
   /// Whether two leaves turn by more than about a right angle while the limits say, or pass each other by about their
@@ -222,29 +237,28 @@ class ImpactsOfLeaves {
     return way_sq > size * size;
   }
 
-  /// Leaves out of a list what another one has.
+  /// Removes from `list` what is in `known`.
   template <typename Candidates>
   static void keep_new(const Candidates& known, Candidates& list) {
     std::bitset<(3 * bvh::width) * (3 * bvh::width)> is_known;
     const auto place = [](simd::ElementCandidate c) { return c.a * 3 * bvh::width + c.b; };
     for (std::uint32_t i = 0; i < known.count; ++i) is_known.set(place(known.pairs[i]));
-    std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < list.count; ++i) {
-      if (!is_known[place(list.pairs[i])]) list.pairs[count++] = list.pairs[i];
-    }
-    list.count = count;
+    const auto end = std::remove_if(list.pairs, list.pairs + list.count,
+                                    [&](simd::ElementCandidate c) { return is_known[place(c)]; });
+    list.count = static_cast<std::uint32_t>(end - list.pairs);
   }
 
   /// Offers candidates of one kind to the collector, without those that certainly do not touch if it asks for that.
   template <typename Candidates, typename ElementsOf>
-  void compare(const Candidates& candidates, const SlotPair& leaves, const ElementsOf& elements_of) {
+  void offer(const Candidates& candidates, const SlotPair& leaves, const ElementsOf& elements_of) {
     constexpr std::uint32_t room = simd::MovingPairs::room;
+    static_assert(room < 32);  // bits of a mask
     const bool excludes = collector_.wants_contacts_only();
     for (std::uint32_t i = 0; i < candidates.count && leaves.first_time <= collector_.max_time(); i += room) {
       const std::span<const simd::ElementCandidate> some(candidates.pairs + i, std::min(candidates.count - i, room));
       stats_.primitive_tests += some.size();  // pairs of elements count as pairs of triangles
       unsigned left = (1U << some.size()) - 1;
-      if (excludes) left &= ~excluded(some, bounds_.limits_of(leaves), elements_of);
+      if (excludes) left &= ~excluded_mask(some, bounds_.limits_of(leaves), elements_of);
       for (; left != 0; left &= left - 1) {
         // Some pairs take milliseconds.
         if (collector_.is_done() || meter_.cuts_short(steps_)) {
@@ -257,11 +271,11 @@ class ImpactsOfLeaves {
     }
   }
 
-  /// A bit mask of candidates of one kind that certainly do not touch in time.
+  /// A bit mask of candidates of one kind that certainly do not touch in time. Pre: the separation is 0.
   template <typename ElementsOf>
-  unsigned excluded(std::span<const simd::ElementCandidate> candidates, const simd::MotionLimits& limits,
-                    const ElementsOf& elements_of) const {
-    LIMBER_ASSERT(!candidates.empty() && candidates.size() <= simd::MovingPairs::room);
+  unsigned excluded_mask(std::span<const simd::ElementCandidate> candidates, const simd::MotionLimits& limits,
+                         const ElementsOf& elements_of) const {
+    LIMBER_ASSERT(!candidates.empty() && candidates.size() <= simd::MovingPairs::room && limits.separation == 0);
     simd::MovingPairs pairs;
     MovingElements::Kind kind{};
     for (std::size_t k = 0; k < candidates.size(); ++k) {
@@ -278,7 +292,7 @@ class ImpactsOfLeaves {
   const MovingPair& models_;
   const MovingBounds<Collector>& bounds_;
   Collector& collector_;
-  const simd::Kernels& kernels_;
+  const simd::Kernels& kernels_ = simd::kernels();
   pair::BudgetMeter& meter_;
   QueryStats& stats_;
   double first_left_time_ = std::numeric_limits<double>::infinity();
@@ -287,15 +301,6 @@ class ImpactsOfLeaves {
 
 /// The walk that offers a collector the pairs of elements of two moving models, or of one, that may touch: depth first,
 /// those that may meet first before the others.
-///
-/// Needs of a collector:
-///          double max_time() const;           // what touches later does not matter
-///          bool is_done() const;              // nothing else matters
-///          bool wants_contacts_only() const;  // pairs that certainly do not touch may be left out
-///          void compare(const ElementPair& pair, const MovingElements& elements);
-/// With at_any_pace, it is offered pairs that may be near if each vertex is anywhere on its way, whatever others do;
-/// pairs of leaves that both stay are left out.
-///          bool stays(Side side, const bvh::Leaf& leaf) const;
 template <typename Collector>
 class ImpactSearch {
  public:

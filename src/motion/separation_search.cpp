@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pieces of the time are decided one after the other, in order. A piece that no bound can show to be clear is halved.
+// When two elements come within a separation of each other: pieces of the time are decided in order. A piece is
+//   clear   if a bound shows that the distance exceeds the separation in all of it;
+//   halved  if none does; or it ends at its middle, if the elements are within the separation there;
+//   last    if it is as short as asked for and they are within the separation at its end: it holds the first contact.
 // Bounds of the distance over a piece, the cheapest first (docs/algorithms/impact.md):
 //   1. the distance at the beginning, less what the elements move relative to each other;
 //   2. the gap along a direction that moves linearly, from one that separates the elements at the beginning to one that
 //      separates them at the end;
 //   3. the distance of the vertex from the plane of the face, or of the lines of the edges.
-// The errors of the last two fall with the square of the piece's length.
+// The errors of the last two fall with the square of the piece's length. are_certainly_apart() uses the same bounds.
 #include "motion/element_impact.h"
 
 #include <algorithm>
@@ -16,6 +19,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "base/check.h"
 #include "base/error_bounds.h"
@@ -67,6 +71,7 @@ class SeparationSearch {
       if (steps % many_steps == 0) tolerance_ *= 2;
       Moment& end = ends[open - 1];
       const double length = end.time - begin.time;
+      // Short, and within the separation at its end.
       if (length <= time_error_ && is_within(end)) return {ImpactStatus::contact, begin.time, end.time};
       if (length > time_resolution) {  // otherwise nothing moves by more than the rounding of positions
         const Moment middle = moment(begin.time + 0.5 * length);
@@ -80,15 +85,16 @@ class SeparationSearch {
           continue;
         }
       }
-      // The piece may be clear although its end counts as within the separation: the distance there exceeds the
-      // separation by less than the tolerance. Then the end is the answer.
+      // Clear, though its end may count as within the separation: the distance there exceeds the separation by less
+      // than the tolerance. Then the end is the answer.
       if (is_within(end)) return {ImpactStatus::contact, end.time, end.time};
       begin = end, --open;
     }
     return {};
   }
 
-  /// Whether a few pieces are enough to show that the elements are apart up to the largest time.
+  /// Whether a few pieces are enough to show that the elements are apart up to the largest time. Unlike run(), gives up
+  /// where they are within the separation at any moment.
   bool proves_apart() const {
     Moment begin = moment(0);
     Moment ends[most_pieces];  // of the pieces that are left, the next one on top
@@ -110,17 +116,17 @@ class SeparationSearch {
   }
 
  private:
-  // Elements that do not touch are rarely left after so many.
+  // Elements that do not touch are rarely left after so many pieces; the filter gives up after as many.
   static constexpr std::size_t most_pieces = 24;
-  // Halving ends at pieces of time_resolution.
+  // Halving [0, 1] ends at pieces of time_resolution, 2^-53: after 53 times. One to spare.
   static constexpr std::size_t most_halvings = 54;
   // Elements that turn while they stay hardly beyond the separation need any number of pieces: after every so many
-  // steps the tolerance doubles.
-  static constexpr std::uint64_t many_steps = 1 << 11;
+  // steps the tolerance doubles. A guess: others take about a step for each binary digit of the time.
+  static constexpr std::uint64_t many_steps = 2048;
   // As a part of the extent, the largest coordinate relative to the first corner at the start, with eps = 2^-53: a
   // placed corner is off by 8 eps in each coordinate, the difference of two by 28 eps, a gap by 34 eps more: 62 eps <
   // 2^-47. A distance is off by less. The extent is up to 2 here.
-  static constexpr double gap_error = 2 * 0x1p-47;
+  static constexpr double element_gap_error = 2 * 0x1p-47;
   // Shorter vectors have no squared length in float64.
   static constexpr double least_length_sq = 0x1p-900;
 
@@ -140,13 +146,12 @@ class SeparationSearch {
 
   bool is_face() const { return kind_ == MovingElements::Kind::vertex_face; }
 
-  ClosestPoints closest_points(const Placed& placed) const {
+  Moment moment(double time) const {
+    const Placed placed = at(time);
     const auto& [a, b, c, d] = placed.corners;
-    return is_face() ? geometry::closest_points(a, Triangle{b, c, d})
-                     : geometry::closest_points(Segment{a, b}, Segment{c, d});
+    return {time, is_face() ? geometry::closest_points(a, Triangle{b, c, d})
+                            : geometry::closest_points(Segment{a, b}, Segment{c, d})};
   }
-
-  Moment moment(double time) const { return {time, closest_points(at(time))}; }
 
   /// Whether the elements are within the separation, or above it by no more than the tolerance.
   bool is_within(const Moment& moment) const { return moment.closest.distance <= separation_ + tolerance_; }
@@ -165,44 +170,42 @@ class SeparationSearch {
   /// Whether a bound shows that the elements are farther apart than the separation from one time to another.
   bool are_apart(const Moment& from, const Moment& to) const {
     const auto &first = from.closest, &last = to.closest;
-    if (first.distance - relative_motion_ * (to.time - from.time) - gap_error > separation_) return true;
+    if (first.distance - relative_motion_ * (to.time - from.time) - element_gap_error > separation_) return true;
     const Placed begin = at(from.time), end = at(to.time);
     if (are_apart_along(begin, first.point_b - first.point_a, end, last.point_b - last.point_a)) return true;
     const Vectors a = start_vectors_ + from.time * motion_of_vectors_,
                   b = start_vectors_ + to.time * motion_of_vectors_;
     if (are_planes_apart(a, b) || are_apart_along(begin, cross(a.u, a.v), end, cross(b.u, b.v))) return true;
-    for (std::size_t which = 0; which < edge_direction_count; ++which) {
-      if (are_apart_along(begin, edge_direction(begin, which), end, edge_direction(end, which))) return true;
-    }
-    return false;
+    return std::ranges::any_of(is_face() ? std::span<const EdgeAndWay>(of_face) : of_edges, [&](const EdgeAndWay& i) {
+      return are_apart_along(begin, across(i, begin), end, across(i, end));
+    });
   }
 
   /// Bound 3: det(u, v, w) / |u x v|. The length of a quadratic in Bernstein form is at most the largest length of its
   /// coefficients.
   bool are_planes_apart(const Vectors& a, const Vectors& b) const {
+    // The Bernstein coefficients of u x v.
     const Vec3 normals[3] = {cross(a.u, a.v), 0.5 * (cross(a.u, b.v) + cross(b.u, a.v)), cross(b.u, b.v)};
     const double longest = std::max({length(normals[0]), length(normals[1]), length(normals[2])});
     if (!(longest * longest > least_length_sq)) return false;
     const double least_size = BernsteinVolume(a, b).least_size() - volume_error_;
-    return least_size > (separation_ + gap_error) * (longest + 2 * normal_error_);
+    return least_size > (separation_ + element_gap_error) * (longest + 2 * normal_error_);
   }
 
-  /// Directions that are perpendicular to an edge up to the rounding of a product, however near the elements are, and
-  /// lead to a corner.
-  static constexpr std::size_t edge_direction_count = 4;
-  Vec3 edge_direction(const Placed& placed, std::size_t which) const {
-    const auto& [a, b, c, d] = placed.corners;
-    const auto across = [](const Vec3& edge, const Vec3& way) { return cross(cross(edge, way), edge); };
-    switch (which) {
-      case 0:
-        return is_face() ? across(c - b, b - a) : across(b - a, c - a);
-      case 1:
-        return is_face() ? across(d - c, c - a) : across(b - a, d - a);
-      case 2:
-        return is_face() ? across(b - d, d - a) : across(d - c, c - a);
-      default:
-        return is_face() ? Vec3{} : across(d - c, c - b);
-    }
+  /// The corners of an edge, and two between which a way leads from it to the other element.
+  struct EdgeAndWay {
+    std::size_t edge[2], way[2];
+  };
+  // From the edges of a face to the vertex; from each of two edges to both ends of the other.
+  static constexpr EdgeAndWay of_face[] = {{{1, 2}, {0, 1}}, {{2, 3}, {0, 2}}, {{3, 1}, {0, 3}}};
+  static constexpr EdgeAndWay of_edges[] = {{{0, 1}, {0, 2}}, {{0, 1}, {0, 3}}, {{2, 3}, {0, 2}}, {{2, 3}, {1, 2}}};
+
+  /// The part of the way across the edge: perpendicular to it up to the rounding of a product, however near the
+  /// elements are.
+  static Vec3 across(const EdgeAndWay& i, const Placed& placed) {
+    const Vec3(&p)[4] = placed.corners;
+    const Vec3 edge = p[i.edge[1]] - p[i.edge[0]], way = p[i.way[1]] - p[i.way[0]];
+    return cross(cross(edge, way), edge);
   }
 
   /// The direction with length 1, on the side of the second element.
@@ -222,12 +225,12 @@ class SeparationSearch {
     for_each_difference(begin, end, [&](const Vec3& x0, const Vec3& x1) {
       least = std::min({least, dot(*n0, x0), dot(*n1, x1), 0.5 * (dot(*n0, x1) + dot(*n1, x0))});
     });
-    return least - gap_error > separation_;
+    return least - element_gap_error > separation_;
   }
 
   MovingElements::Kind kind_;
   double max_time_, time_error_, separation_;
-  double tolerance_ = 2 * gap_error;
+  double tolerance_ = 2 * element_gap_error;
   Vec3 start_[4], motion_[4];  // of the corners
   double relative_motion_ = 0;
   Vectors start_vectors_, motion_of_vectors_;
@@ -241,7 +244,7 @@ ElementImpact separation_impact(const MovingElements& elements, const ElementImp
 }
 
 bool are_certainly_apart(const MovingElements& elements, double max_time) {
-  return SeparationSearch(elements, {max_time, 0, 0}).proves_apart();
+  return SeparationSearch(elements, {.max_time = max_time, .time_error = 0, .min_separation = 0}).proves_apart();
 }
 
 }  // namespace limber::motion

@@ -29,8 +29,8 @@ struct LastContact {
 /// Bounds how far b has to move along z to leave a. Fills all but `lower` and the weights. Ends early once the bound is
 /// not above `least`.
 ///
-/// Promise  `upper` holds for all triangles whose corners are within `error` of these. It exceeds the truth by little
-///          more than that, also where the triangles are segments or points.
+/// Promise  `upper` holds for all triangles whose corners are within a third of `error` of these. It exceeds the truth
+///          by little more than `error`, unless all planes are steep, also where the triangles are segments or points.
 /// Pre      Coordinates are at most about 1 in size, and `error` is at least 2^-46.
 LastContact bound_last_contact(const Triangle& a, const Triangle& b, double error, double least = LastContact::never);
 
@@ -41,7 +41,7 @@ void find_last_contact(const Triangle& a, const Triangle& b, double tolerance, L
 struct SweepResult {
   double lower = 0, upper = 0;     ///< as SeparatingTranslation says
   std::optional<Witness> witness;  ///< as SeparatingTranslation says
-  Vec3 normal;                     ///< of length 1, from a to b: of the pair of triangles that gives `upper`, if any
+  Vec3 normal;           ///< of length 1, from a to b: of the pair of triangles that raised `upper` last, if any
   bool is_over = false;  ///< whether the search ended because `lower` reached `enough`; `upper` means nothing then
 };
 
@@ -88,7 +88,13 @@ class Sweep {
       unsigned all;
     } kept;
   };
-  bool has_to_end();
+  /// A budget that is spent makes `upper` what no pair that is left exceeds.
+  bool has_to_end() {
+    if (!(waiting_.next().bound > best_.upper) || best_.lower >= enough_) return true;
+    if (!meter_->is_spent()) return false;
+    best_.upper = waiting_.next().bound;
+    return true;
+  }
   static constexpr void count_step() {}
   static constexpr bool prepare_visit(const Pair&, bool) { return false; }
   static constexpr bool prunes(const Pair&, double&) { return false; }
@@ -96,7 +102,10 @@ class Sweep {
   template <bool raises>
   pair::Next open(Expansion& e, double&) const;
   void bound_children(Expansion& e, float*) const;
-  Pair child_pair(const Expansion& e, std::uint32_t child) const;
+  Pair child_pair(const Expansion& e, std::uint32_t child) const {
+    const bvh::SlotId slot = e.node * bvh::width + child;
+    return {e.bounds[child], e.opens_a ? slot : e.pair.a, e.opens_a ? e.pair.b : slot};
+  }
   bool compare(const Pair& pair, bool, double&);
 
  private:
@@ -111,8 +120,8 @@ class Sweep {
                const Triangle& b);
 
   Side a_, b_;
-  double scale_;  // a power of two that makes all coordinates less than 1
-  double error_;  // of scaled lengths
+  double scale_;  // a power of two: coordinates of a and of b are together less than 1 in size
+  double error_;  // what rounding changes the difference of a corner of a and one of b by at most; scaled
   Vec3 x_, y_, z_;
   pair::HeapOrder<Pair> waiting_;
   SweepResult best_;   // lengths are scaled

@@ -1,9 +1,14 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The closest point of a model: depth first, the nearest child first. Triangles that may be the closest are collected,
-// so that their vertices are fetched from memory meanwhile, and compared when there are enough. For points so far away
-// that float32 cannot tell distances apart, kernels compare heights along the direction to the point ("along") instead.
+// Queries of a point and a model: a search, and three kinds of public functions.
+//   NearestTriangles, ClosestPointSearch: depth first, the nearest child first. Triangles that may be the closest are
+//      collected, so that their vertices are fetched from memory meanwhile, and compared when there are enough. For
+//      points so far away that float32 cannot tell distances apart, kernels compare heights along the direction to the
+//      point ("along") instead.
+//   closest_point(), closest_point_many(): the search alone.
+//   ClosedSurface: also whether points are inside, by winding numbers (placed_model.h).
+//   generalized_winding_number(): of any mesh, as a sum over all triangles.
 #include "point/closest_point.h"
 
 #include <algorithm>
@@ -22,35 +27,17 @@
 #include "geometry/primitives.h"
 #include "geometry/winding.h"
 #include "limber/distance.h"
-#include "limber/points.h"
 #include "mesh/adjacency.h"
 #include "model/model_impl.h"
-#include "point/placed_model.h"
 
 namespace limber::point {
-namespace {
-
-// Stands for infinity among squared bounds: more than any bound of a child, but finite, as kernels need it.
-constexpr float most_bound = 3e38F;
-
-}  // namespace
-
-NearestTriangles::NearestTriangles(const PlacedModel& model)
-    : model_(model), tree_(model.tree()), kernels_(simd::kernels()) {}
-
-void NearestTriangles::start(const Vec3& point, double limit, double enough) {
-  in_frame_ = model_.in_frame(point);
-  enough_ = enough;
-  set_limit(limit);
-  waiting_.start(limit_bound_);
-}
 
 std::span<const NearestTriangles::Candidate> NearestTriangles::next(QueryStats& stats) {
   count_ = 0;
   for (bvh::SlotStack::Entry next; waiting_.take(limit_bound_, next);) {
     if (!bvh::has_leaf_or_coincides(tree_, next.slot)) {
       expand(next.slot, stats);
-    } else if (compare_leaf(next.slot)) {
+    } else if (collect_from_leaf(next.slot)) {
       break;
     }
   }
@@ -61,11 +48,6 @@ std::span<const NearestTriangles::Candidate> NearestTriangles::next(QueryStats& 
   return {candidates_, count_};
 }
 
-void NearestTriangles::set_limit(double limit) {
-  limit_ = limit;
-  limit_bound_ = bound_of(limit);
-}
-
 /// Converts a distance to what kernels compare bounds with. For far points that is a height, rounded up. For others it
 /// is a square, rounded to the nearest: bounds of children are lowered by more than that (base::point_error). It is
 /// above 0, so children with a bound of 0 are never pruned.
@@ -74,8 +56,9 @@ float NearestTriangles::bound_of(double distance) const {
   if (p.is_far) {
     return base::float_up(std::clamp((distance - p.height) * p.per_unit, -base::max_units, base::max_units));
   }
+  constexpr double most_bound = 3e38F;  // for infinity: more than any bound of a child, but finite, as kernels need it
   const double units = distance * p.per_unit;
-  const auto squared = static_cast<float>(std::min(units * units, double{most_bound}));
+  const auto squared = static_cast<float>(std::min(units * units, most_bound));
   return std::max(squared, std::numeric_limits<float>::min());
 }
 
@@ -86,13 +69,12 @@ void NearestTriangles::expand(bvh::SlotId slot, QueryStats& stats) {
   simd::ChildrenInOrder found;
   const auto kernel = in_frame_.is_far ? kernels_.bound_children_along : kernels_.bound_children_to_point;
   kernel(node, in_frame_, limit_bound_, found);
-  const double upper = static_cast<double>(found.upper) * in_frame_.unit;
-  lower_limit(upper);
+  lower_limit(static_cast<double>(found.upper) * in_frame_.unit);
   waiting_.add(n, found);
 }
 
 /// Adds the triangles of a leaf that may be the closest. Returns whether candidates are to be compared now.
-bool NearestTriangles::compare_leaf(bvh::SlotId slot) {
+bool NearestTriangles::collect_from_leaf(bvh::SlotId slot) {
   LIMBER_ASSERT(count_ + bvh::width <= capacity);
   const bvh::LeafInNode at = bvh::first_leaf(tree_, slot);
   const bvh::Leaf& leaf = at.leaf;
@@ -141,7 +123,6 @@ void ClosestPointSearch::compare(const NearestTriangles::Candidate& candidate, c
 
 }  // namespace limber::point
 
-// The public queries about points: each checks its arguments, and searches.
 namespace limber {
 
 PointResult closest_point(const Placed& model, const Vec3& point, const PointOptions& options) {
@@ -172,18 +153,13 @@ void closest_point_many(const Placed& model, std::span<const Vec3> points, std::
   });
 }
 
-}  // namespace limber
-
-// ClosedSurface.
-namespace limber {
 namespace {
 
 SignedDistance signed_distance_of(const point::PlacedModel& placed, point::ClosestPointSearch& search,
                                   const Vec3& point, double max_distance) {
   SignedDistance result;
   result.closest = search.find(point, max_distance, result.stats);
-  const point::Surrounding surrounding = point::surrounding_of(placed, point, result.stats);
-  result.is_inside = surrounding.is_inside_or_on();
+  result.is_inside = point::surrounding_of(placed, point, result.stats).is_inside_or_on();
   return result;
 }
 
@@ -204,7 +180,7 @@ Placed ClosedSurface::placed(const Transform& world_from_model) const {
 }
 
 bool ClosedSurface::contains(const Vec3& point, const Transform& world_from_model) const {
-  return winding_number(point, world_from_model).value_or(1) != 0;
+  return winding_number(point, world_from_model).value_or(1) != 0;  // a point on the surface counts as inside
 }
 
 std::optional<int> ClosedSurface::winding_number(const Vec3& point, const Transform& world_from_model) const {
@@ -224,8 +200,7 @@ SignedDistance ClosedSurface::signed_distance(const Vec3& point, const Transform
   base::check_point(point, "limber::ClosedSurface::signed_distance");
   const point::PlacedModel model(placed(world_from_model));
   point::ClosestPointSearch search(model);
-  const SignedDistance result = signed_distance_of(model, search, point, options.max_distance);
-  return result;
+  return signed_distance_of(model, search, point, options.max_distance);
 }
 
 void ClosedSurface::signed_distance_many(std::span<const Vec3> points, std::span<SignedDistance> results,
@@ -243,15 +218,14 @@ void ClosedSurface::signed_distance_many(std::span<const Vec3> points, std::span
   });
 }
 
-// The generalized winding number, as a sum over all triangles.
-
 double generalized_winding_number(const Placed& model, const Vec3& point) {
   const base::DefaultFloatEnvironment environment;
   base::check_point(point, "limber::generalized_winding_number");
   base::check_has_no_radius(model, "limber::generalized_winding_number");
   const point::PlacedModel placed(model);
   const std::span<const Corners> triangles = placed.mesh().triangles;
-  // Sums of ranges that do not depend on threads, added up in their order.
+  // Sums of ranges that do not depend on threads, added up in their order. More ranges share work better, smaller ones
+  // cost more to start: guesses, which the last bits of the sum depend on.
   constexpr std::size_t most_ranges = 256, least_size = 512;
   const std::size_t size = std::max(least_size, (triangles.size() + most_ranges - 1) / most_ranges);
   double sums[most_ranges] = {};
@@ -264,6 +238,7 @@ double generalized_winding_number(const Placed& model, const Vec3& point) {
   });
   double sum = 0;
   for (const double part : sums) sum += part;
+  // The product must not move behind the end of `environment`: base/float_environment.h.
   return environment.computed_before_restore(sum * (0.5 * std::numbers::inv_pi));
 }
 

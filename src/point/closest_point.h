@@ -33,13 +33,19 @@ class NearestTriangles {
     const Corners& vertices() const { return leaf->vertices[slot]; }
   };
 
-  explicit NearestTriangles(const PlacedModel& model);
+  explicit NearestTriangles(const PlacedModel& model) : model_(model), tree_(model.tree()) {}
 
   /// Begins a search. Triangles farther away than `limit` do not matter. One at most `enough` away is offered at once.
   ///
   /// Pre: the point is finite and at most `max_coordinate` in size.
-  void start(const Vec3& point, double limit, double enough);
-  /// Goes on until there are candidates, and returns them, the likeliest first. None are left if there are none.
+  void start(const Vec3& point, double limit, double enough) {
+    in_frame_ = model_.in_frame(point);
+    enough_ = enough;
+    set_limit(limit);
+    waiting_.start(limit_bound_);
+  }
+  /// Goes on until there are candidates, and returns them: the one with the least lower bound first, the others in any
+  /// order. None are left if there are none.
   std::span<const Candidate> next(QueryStats& stats);
 
   /// Whether a candidate may still be the closest triangle.
@@ -50,16 +56,16 @@ class NearestTriangles {
   }
 
  private:
-  void set_limit(double limit);
+  void set_limit(double limit) { limit_ = limit, limit_bound_ = bound_of(limit); }
   float bound_of(double distance) const;
   void expand(bvh::SlotId slot, QueryStats& stats);
-  bool compare_leaf(bvh::SlotId slot);
+  bool collect_from_leaf(bvh::SlotId slot);
 
   static constexpr std::uint32_t capacity = 64;
 
   const PlacedModel& model_;
   const bvh::Tree& tree_;
-  const simd::Kernels& kernels_;
+  const simd::Kernels& kernels_ = simd::kernels();
   simd::QueryPoint in_frame_;
   double enough_ = 0;
   double limit_ = 0;       // triangles farther away do not matter

@@ -3,6 +3,8 @@
 
 // Eight boxes a node, over models in spatial order. The rank of a model is its place in that order: leaf i, the i-th
 // node of the lowest level, holds ranks 8 i to 8 i + 7, and the k-th child of node i of a level is node 8 i + k below.
+// build() fills the levels from below. visit_near() goes down from the top with the bounds of something else;
+// visit_pairs() with the box of a leaf, to itself and the leaves after it.
 #include "scene/box_tree.h"
 
 #include <algorithm>
@@ -10,6 +12,8 @@
 #include <limits>
 
 #include "base/check.h"
+#include "base/error_bounds.h"
+#include "base/rounding.h"
 #include "simd/kernels.h"
 
 namespace limber::scene {
@@ -21,8 +25,10 @@ using bvh::width;
 // 2^32 models have 11 levels, as 8^11 = 2^33.
 constexpr std::size_t max_levels = 11;
 
-// Makes up for the rounding of both squares where two squared lengths are compared.
+// With u = 2^-53. A squared length of differences is off by 5 u, the square of a sum of three by 5 u: 10 of 32.
 constexpr double squared_length_down = 1 - 0x1p-48;
+// The sum of two radii, and its product with this, are off by 2 u: 2 of 8.
+constexpr double radii_up = 1 + 0x1p-50;
 
 BoxNode empty_boxes() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -60,11 +66,15 @@ unsigned boxes_near(const BoxNode& boxes, const Box& box, double margin) {
   return simd::kernels().overlapping_boxes(boxes, box.low - by, box.high + by);
 }
 
-/// Whether a length may be at most another one, by their squares. Squares below 2^-900 may have underflowed, and prove
-/// nothing.
-bool may_be_at_most(double length_sq, double limit) {
-  return length_sq * squared_length_down <= limit * limit + base::tiny_square;
+/// Whether a distance, given by its square, may be at most a limit, which is not squared. Squares below 2^-900 may have
+/// underflowed, and prove nothing.
+bool may_be_at_most(double distance_sq, double limit) {
+  return distance_sq * squared_length_down <= limit * limit + base::tiny_square;
 }
+bool may_be_near(const Sphere& a, const Sphere& b, double margin) {
+  return may_be_at_most(length_sq(b.center - a.center), a.radius + b.radius + margin);
+}
+bool may_be_near(const Box& a, const Box& b, double margin) { return may_be_at_most(length_sq(gaps(a, b)), margin); }
 
 }  // namespace
 
@@ -75,15 +85,16 @@ void BoxTree::build(std::span<const std::uint32_t> ids, std::span<const WorldBou
   const std::span<const std::uint32_t> order = spatial_order_.sort(centers_);
 
   level_begin_.assign(1, 0);
-  // Every level has an eighth of the boxes below, until one node holds all. One model has a level too.
-  std::size_t count = ids.size();
-  while (count > 1 || (count == 1 && level_begin_.size() == 1)) {
-    count = (count + width - 1) / width;
-    level_begin_.push_back(level_begin_.back() + count);
+  // Every level has an eighth of the boxes below, until one node holds all. One model has a level too, none has none.
+  for (std::size_t boxes_below = ids.size(); boxes_below > 0;) {
+    const std::size_t nodes = (boxes_below + width - 1) / width;
+    level_begin_.push_back(level_begin_.back() + nodes);
+    boxes_below = nodes > 1 ? nodes : 0;
   }
   LIMBER_ASSERT(level_count() <= max_levels);
   boxes_.resize(level_begin_.back());
-  spheres_.resize(ids.size()), ids_.resize(ids.size());
+  spheres_.resize(ids.size());
+  ids_.resize(ids.size());
   // Only the last node of a level may be partly filled.
   for (std::size_t level = 0; level < level_count(); ++level) boxes_[level_begin_[level + 1] - 1] = empty_boxes();
   for (std::uint32_t rank = 0; rank < size(); ++rank) {
@@ -100,17 +111,11 @@ void BoxTree::build(std::span<const std::uint32_t> ids, std::span<const WorldBou
   }
 }
 
-bool BoxTree::spheres_may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const {
-  const Sphere &a = spheres_[rank_a], &b = spheres_[rank_b];
-  return may_be_at_most(length_sq(b.center - a.center), a.radius + b.radius + margin);
-}
-
 bool BoxTree::may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const {
   LIMBER_ASSERT(rank_a < size() && rank_b < size());
-  if (!spheres_may_be_within(rank_a, rank_b, margin)) return false;
-  const Box box_a = box_of(boxes_[rank_a / width], rank_a % width);
-  const Box box_b = box_of(boxes_[rank_b / width], rank_b % width);
-  return may_be_at_most(length_sq(gaps(box_a, box_b)), margin);
+  // The spheres first: most pairs then need no boxes, which are not stored one by one.
+  return may_be_near(spheres_[rank_a], spheres_[rank_b], margin) &&
+         may_be_near(bounds_of(rank_a).box, bounds_of(rank_b).box, margin);
 }
 
 WorldBounds BoxTree::bounds_of(std::uint32_t rank) const {
@@ -120,7 +125,7 @@ WorldBounds BoxTree::bounds_of(std::uint32_t rank) const {
 
 double BoxTree::lower_bound(const WorldBounds& bounds, std::uint32_t rank) const {
   const Sphere &a = bounds.sphere, &b = spheres_[rank];
-  const double of_spheres = base::distance_down(a.center, b.center) - (a.radius + b.radius) * (1 + 0x1p-50);
+  const double of_spheres = base::distance_down(a.center, b.center) - (a.radius + b.radius) * radii_up;
   const double of_boxes = base::distance_down({}, gaps(bounds.box, bounds_of(rank).box));
   return std::max(of_spheres, of_boxes) * (1 - base::scene_distance_error);
 }
@@ -141,9 +146,7 @@ bool BoxTree::visit_near_below(std::size_t level, std::uint32_t node, const Worl
       continue;
     }
     const WorldBounds bounds = bounds_of(child);
-    const double reach = own.sphere.radius + bounds.sphere.radius + margin;
-    const bool is_near = may_be_at_most(length_sq(bounds.sphere.center - own.sphere.center), reach) &&
-                         may_be_at_most(length_sq(gaps(own.box, bounds.box)), margin);
+    const bool is_near = may_be_near(own.sphere, bounds.sphere, margin) && may_be_near(own.box, bounds.box, margin);
     if (is_near && !visit(child)) return false;
   }
   return true;
@@ -175,10 +178,11 @@ bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
     std::uint64_t boxes_meet = simd::kernels().overlapping_pairs(own, boxes(0, other), box_of_leaf(other), margin);
     if (other == leaf) boxes_meet &= bvh::each_pair_once;
     for (; boxes_meet != 0; boxes_meet &= boxes_meet - 1) {
+      LIMBER_ASSERT(count < room);
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(boxes_meet));
       found_a[count] = leaf * width + bit / width, found_b[count] = other * width + bit % width;
       // The kernel has compared the boxes axis by axis. At margin 0 that is all that boxes can tell.
-      const bool is_near = margin == 0 ? spheres_may_be_within(found_a[count], found_b[count], 0)
+      const bool is_near = margin == 0 ? may_be_near(spheres_[found_a[count]], spheres_[found_b[count]], 0)
                                        : may_be_within(found_a[count], found_b[count], margin);
       count += is_near ? 1 : 0;
     }

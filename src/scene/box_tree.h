@@ -73,7 +73,6 @@ class BoxTree {
   double lower_bound(const WorldBounds& bounds, std::uint32_t rank) const;
 
  private:
-  bool spheres_may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
   WorldBounds bounds_of(std::uint32_t rank) const;
   bool visit_near_below(std::size_t level, std::uint32_t node, const WorldBounds& own, double margin,
                         FunctionRef<bool(std::uint32_t)> visit) const;

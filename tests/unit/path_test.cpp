@@ -219,6 +219,24 @@ TEST(PathImpact, StopsWhenItsBudgetIsSpent) {
   EXPECT_GT(min_distance(ball, passes, ball, {}).lower, few.lower);
 }
 
+TEST(PathDistance, IsBoundedWhereTheSecondDistanceIsCutShort) {
+  const Model ball(scenes::ball(8, 6));
+  for (const double max_time : {0.0, 1.0}) {
+    std::atomic<bool> cancelled{false};
+    int asked = 0;
+    const auto raises_the_flag = [&](double) {
+      cancelled = ++asked == 2;
+      return Transform{{}, {9, 0, 0}};
+    };
+    const PathDistance cut = min_distance(ball, RigidPath{raises_the_flag, 1}, ball, RigidPath{stay},
+                                          {.max_time = max_time, .budget = {.cancel = &cancelled}});
+    EXPECT_EQ(cut.stopped_by, StoppedBy::cancel);
+    EXPECT_EQ(cut.distance_count, 2U);
+    EXPECT_LE(cut.lower, 7);
+    EXPECT_GE(cut.upper, 7 - 1e-12);
+  }
+}
+
 TEST(PathImpact, KeepsToItsDeadlineWhereEachDistanceIsAStep) {
   const Model a(scenes::grid(1, 1, -1, -1, 1, 1)), b(scenes::grid(1, 1, -1, -1, 9, 9));
   const auto slide = [](double t) { return Transform{{}, {t, 0, 1e-6}}; };

@@ -51,7 +51,8 @@ TEST(LastContact, IsThatOfRationalArithmetic) {
       SCOPED_TRACE(std::to_string(kind) + ", pair " + std::to_string(i));
       if (sweep.last()) {
         ++meeting;
-        ASSERT_GE(Rational(contact.upper), *sweep.last());
+        // If a is a third of the error higher, and b lower, they meet for longer by both.
+        ASSERT_GE(Rational(contact.upper), *sweep.last() + Rational(error / 1.5));
       }
       if (contact.upper == penetration::LastContact::never) continue;
       find_last_contact(a, b, 2 * error, contact);
@@ -263,8 +264,7 @@ TEST(Penetration, HoldsWhenItsBudgetIsSpent) {
     EXPECT_GE(some.max_depth * (1 + 1e-12), deepest.max_depth);
     EXPECT_LE(some.max_depth, 2);
     for (const auto& vertex : {some.of_a, some.of_b}) EXPECT_LE(vertex ? vertex->depth : 0, deepest.max_depth);
-    const SeparatingTranslation part =
-        separating_translation({ball.surface}, {ring.surface, pose}, {1, 2, 3}, budget);
+    const SeparatingTranslation part = separating_translation({ball.surface}, {ring.surface, pose}, {1, 2, 3}, budget);
     EXPECT_GE(part.upper, translation.upper);
     EXPECT_LE(part.lower, translation.upper);
     const SolidDistance cut = signed_distance({ball.surface}, {ring.surface, pose}, {.budget = budget});

@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Both queries know the distance of the models at some times, and that it changes by at most `speed` times the time in
-// between.
+// Queries of two bodies on paths. Both ask for distances at a few times, and know that the distance changes by at most
+// `speed` times the time in between. So a distance says something of the time before and after it (MovingDistance).
+//   time_of_impact()  is conservative advancement: distances show the time to be free of contact, piece by piece.
+//   min_distance()    is branch and bound over pieces of time: the piece with the least lower bound is split next.
+// Bodies that pass each other closely take many distances; shadows (moving_distance.h) spare most of them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -28,7 +31,8 @@ struct Gap {
 };
 
 /// When to ask for the next distance: where the time that it shows to be free will reach back to what the last one
-/// showed, if the gap goes on to change as it did, or somewhat worse. A guess; no answer depends on it.
+/// showed, if the gap goes on to change as it did, or a quarter of the way to the worst. Where the gap grows, the step
+/// is at most 20 times as long as what is proved. A guess; no answer depends on it.
 double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& gap) {
   const double speed = moving.speed();
   const double closing = earlier.time < gap.time ? (earlier.size - gap.size) / (gap.time - earlier.time) : speed;
@@ -36,14 +40,18 @@ double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& ga
   return gap.time + 2 * gap.size / (speed + expected);
 }
 
-/// Conservative advancement. A distance shows that some time after it is free, and as much before it. So the next one
-/// is asked for beyond what is free. If that does not reach back, or the models touch there, the next one is asked for
-/// where the free time ends, as in plain advancement [KeinertEtAl2014].
-PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions& options) {
+// What PathOptions says of errors that it leaves open, as a part of the radii.
+constexpr double default_impact_error = 0x1p-20, default_least_error = 0x1p-10;
+
+/// The first impact not before `begin`, before which nothing touches. A distance shows that some time after it is free,
+/// and as much before it. So the next one is asked for beyond what is free, as in [KeinertEtAl2014]. If that does not
+/// reach back, or the models touch there, the next one is asked for where the free time ends, as in plain advancement.
+PathImpact advance_to_impact(MovingDistance& moving, double begin, const PathOptions& options) {
   struct Interval {
     double begin, end;
   };
-  const double error = moving.error_or(0x1p-20, moving.radii());
+  constexpr double after_all = 2;  // no path takes longer than 1
+  const double error = moving.error_or(default_impact_error, moving.radii());
   const double separation = options.min_separation, touching = separation + error;
   PathImpact result;
   const auto finish = [&](ImpactStatus status, double time) {
@@ -53,42 +61,43 @@ PathImpact first_impact(MovingDistance& moving, double begin, const PathOptions&
     if (result.witness) result.normal = moving.normal_at(time, *result.witness);
     return result;
   };
-  double free = begin, end = options.max_time;  // nothing touches before `free`; what is after `end` does not matter
-  Interval ahead{2, 2};                         // nothing touches in it
+  double free_until = begin;             // nothing touches before
+  double end = options.max_time;         // what is later does not matter; with a witness, the models touch there
+  Interval ahead{after_all, after_all};  // nothing touches in it either, though a hole may be left before it
   Gap earlier{begin, 0};
-  for (double time = begin; free <= end;) {
-    // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
+  for (double time = begin; free_until <= end;) {
+    // A tenth of the distance is exact enough to go on: steps are hardly shorter. With a separation, of the last gap.
     const double limit = (touching + moving.most_in(options.max_time - time)) * base::outward;
     DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * earlier.size), limit};
     std::optional<DistanceResult> found = moving.at(time, errors);
-    // So that the gap is half of the error or more, and time goes on.
+    // Asked again, what does not touch has a gap of 3/4 of the error or more: so time goes on.
     if (found && found->upper > touching && found->lower <= separation + 0.5 * error) {
       errors.relative_error = 0, errors.absolute_error = 0.25 * error;
       found = moving.at(time, errors);
     }
     if (found && found->upper <= touching) {
       result.witness = found->witness, end = time;
-      if (time <= free) break;
-      time = free;
+      if (time <= free_until) break;
+      time = free_until;
       continue;
     }
     if (moving.stopped_by != StoppedBy::nothing) {
       result.witness.reset();
-      return finish(ImpactStatus::undecided, free);
+      return finish(ImpactStatus::undecided, free_until);
     }
     LIMBER_ASSERT(found->lower > separation + 0.5 * error);
     const Gap gap{time, found->lower - separation};
     const double reach = moving.time_for(gap.size) - 0x1p-52;  // the ends are rounded
-    const Interval around{time - reach, found->status == DistanceStatus::beyond_limit ? 2 : time + reach};
-    if (around.begin > free) {
-      ahead = around, time = free;
+    const Interval around{time - reach, found->status == DistanceStatus::beyond_limit ? after_all : time + reach};
+    if (around.begin > free_until) {  // not connected yet: remember it, and fill the hole
+      ahead = around, time = free_until;
       continue;
     }
     LIMBER_ASSERT(time < around.end);
-    free = std::max(free, around.end);
-    if (ahead.begin <= free) free = std::max(free, ahead.end);
-    if (free < end) free = std::max(free, moving.apart_until(time, end, separation, gap.size));
-    time = result.witness ? free : std::max(free, std::min(next_time(moving, earlier, gap), end));
+    free_until = std::max(free_until, around.end);
+    if (ahead.begin <= free_until) free_until = std::max(free_until, ahead.end);
+    if (free_until < end) free_until = std::max(free_until, moving.apart_until(time, end, separation, gap.size));
+    time = result.witness ? free_until : std::max(free_until, std::min(next_time(moving, earlier, gap), end));
     earlier = gap;
   }
   if (!result.witness) return finish(ImpactStatus::clear, std::numeric_limits<double>::infinity());
@@ -103,12 +112,13 @@ struct Piece {
   bool comes_before(const Piece& p) const { return bound != p.bound ? bound < p.bound : begin < p.begin; }
 };
 
+/// The least distance of all times.
 PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   PathDistance result;
   // A smaller error costs more distances: as one over its root, where bodies pass each other.
   const double radii = moving.radii();
-  const auto error = [&] { return moving.error_or(0x1p-10, std::max(radii, result.upper)); };
-  const DistanceOptions errors{0, 0.25 * moving.error_or(0x1p-10, radii)};
+  const auto error = [&] { return moving.error_or(default_least_error, std::max(radii, result.upper)); };
+  const DistanceOptions errors{0, 0.25 * moving.error_or(default_least_error, radii)};
   const auto lower_at = [&](double time) -> std::optional<double> {
     const std::optional<DistanceResult> found = moving.at(time, errors);
     if (!found) return std::nullopt;
@@ -124,17 +134,20 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
   pair::HeapOrder<Piece> pieces;
   const std::optional<double> first = lower_at(0), last = first ? lower_at(options.max_time) : first;
   if (first && last) pieces.push(piece(0, options.max_time, *first, *last));
-  while (!pieces.empty() && result.upper - std::max(pieces.next().bound, least) > error()) {
+  // A budget that is spent leaves loose bounds, even of a single time: halving makes them no better.
+  const auto goes_on = [&] { return moving.stopped_by == StoppedBy::nothing && !pieces.empty(); };
+  while (goes_on() && result.upper - std::max(pieces.next().bound, least) > error()) {
     least = std::max(least, moving.least_until(options.max_time, 0.5 * error()));
     const Piece p = pieces.next();
-    LIMBER_ASSERT(p.begin < p.end && p.bound >= 0);
+    LIMBER_ASSERT(p.begin <= p.end && p.bound >= 0);
     // Where the bounds from both ends meet.
     const double meets = p.begin + 0.5 * (p.end - p.begin) + 0.5 * (moving.time_for(p.at_begin - p.at_end));
     const double middle = std::clamp(meets, p.begin, p.end);
     const std::optional<double> there = p.begin < middle && middle < p.end ? lower_at(middle) : std::nullopt;
     if (!there) break;  // the budget is spent; or nothing moves in so short a time
     pieces.take();
-    pieces.push(piece(p.begin, middle, p.at_begin, *there)), pieces.push(piece(middle, p.end, *there, p.at_end));
+    pieces.push(piece(p.begin, middle, p.at_begin, *there));
+    pieces.push(piece(middle, p.end, *there, p.at_end));
   }
   result.lower = pieces.empty() ? 0 : std::min(std::max(pieces.next().bound, least), result.upper);
   result.distance_count = moving.count, result.stopped_by = moving.stopped_by, result.stats = moving.stats;
@@ -147,21 +160,28 @@ double relative_speed(const Body& a, const RigidMotion& motion_a, const Body& b,
   return (straight + turning_speed(a, motion_a) + turning_speed(b, motion_b)) * base::outward;
 }
 
-const MovingBodies* no_motions() { return nullptr; }
+constexpr auto impact_on_whole_way = [](MovingDistance& moving, const PathOptions& options) {
+  return advance_to_impact(moving, 0, options);
+};
 
-PathImpact impact_on_whole_way(MovingDistance& moving, const PathOptions& options) {
-  return first_impact(moving, 0, options);
-}
-
-/// Checks the options, and answers one of the two questions.
+/// What the public queries have in common: checks the arguments, and asks `question`, which is impact_on_whole_way() or
+/// nearest(). `motions` says how the bodies move where the paths are motions.
 template <auto question>
 auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
          const PathOptions& options, const char* function, FindMotions motions) {
   check_path_options(options, function);
-  check_speed(path_a.speed, function), check_speed(path_b.speed, function);
+  check_speed(path_a.speed, function);
+  check_speed(path_b.speed, function);
   require(std::isfinite(speed), function, "the sum of both speeds must be finite");
   MovingDistance moving(a, path_a, b, path_b, speed, options, motions);
   return question(moving, options);
+}
+
+template <auto question>
+auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, const PathOptions& options,
+         const char* function) {
+  return ask<question>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, function,
+                       []() -> const MovingBodies* { return nullptr; });
 }
 
 template <auto question>
@@ -201,12 +221,12 @@ PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMoti
   const auto motions = [&]() -> const MovingBodies* {
     if (motion == nullptr) return nullptr;
     if (!still) still.emplace(standing.pose);
-    if (still->start() != standing.pose) return nullptr;  // it is skew
+    if (still->start() != standing.pose) return nullptr;  // not exactly a rotation: RigidMotion has moved it
     if (!bodies) bodies.emplace(MovingBodies{body, *motion, standing.body(), *still});
     return &*bodies;
   };
   MovingDistance moving(body, path, standing.body(), path_of_standing, path.speed, options, motions);
-  return first_impact(moving, begin, options);
+  return advance_to_impact(moving, begin, options);
 }
 
 }  // namespace motion
@@ -214,8 +234,7 @@ PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMoti
 PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return motion::ask<motion::impact_on_whole_way>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
-                                                  "limber::time_of_impact", motion::no_motions);
+  return motion::ask<motion::impact_on_whole_way>(a, path_a, b, path_b, options, "limber::time_of_impact");
 }
 
 PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
@@ -227,8 +246,7 @@ PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body
 PathDistance min_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return motion::ask<motion::nearest>(a, path_a, b, path_b, path_a.speed + path_b.speed, options,
-                                      "limber::min_distance", motion::no_motions);
+  return motion::ask<motion::nearest>(a, path_a, b, path_b, options, "limber::min_distance");
 }
 
 PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,

@@ -89,14 +89,7 @@ class MovingDistance {
   /// Motions are asked for only where a shadow may pay.
   MovingDistance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
                  const PathOptions& options, FindMotions motions)
-      : a_(a),
-        b_(b),
-        path_a_(path_a),
-        path_b_(path_b),
-        options_(options),
-        speed_(speed),
-        motions_(motions),
-        meter_(options.budget) {}
+      : a_(a), b_(b), path_a_(path_a), path_b_(path_b), options_(options), speed_(speed), motions_(motions) {}
 
   /// The distance at a time. Nothing if the budget does not allow another one.
   std::optional<DistanceResult> at(double time, const DistanceOptions& errors_and_limit) {
@@ -118,14 +111,16 @@ class MovingDistance {
   double apart_until(double time, double end, double distance, double gap) {
     const auto spared_until = [&](double until) { return (until - time) / time_for(gap); };
     if (!is_worth_a_shadow(spared_until(end))) return time;
-    const MovingBodies* const bodies = motions_();
-    if (bodies == nullptr) return learn(0), time;
-    const Shadow shadow(*bodies, time, 0.5 * gap / (end - time));
-    if (shadow.speed() > 0.25 * speed_) return learn(0), time;
-    const double needed = shadow.speed() * (end - time);
+    std::optional<Shadow> shadow;
+    if (const MovingBodies* bodies = motions_()) shadow.emplace(*bodies, time, 0.5 * gap / (end - time));
+    if (!shadow || shadow->speed() > 0.25 * speed_) {
+      learn(0);
+      return time;
+    }
+    const double needed = shadow->speed() * (end - time);
     const double limit = distance + 1.1 * needed + 0.1 * gap + a_.radius() + b_.radius();
-    const double lower = distance_of(shadow, {.relative_error = 0.1, .max_distance = limit});
-    const double until = std::max(time, time + base::inward * (lower - distance) / shadow.speed() - 0x1p-52);
+    const double lower = distance_of(*shadow, {.relative_error = 0.1, .max_distance = limit});
+    const double until = std::max(time, time + base::inward * (lower - distance) / shadow->speed() - 0x1p-52);
     learn(spared_until(until));
     return until;
   }
@@ -199,7 +194,7 @@ class MovingDistance {
   const PathOptions& options_;
   double speed_;
   FindMotions motions_;
-  pair::BudgetMeter meter_;
+  pair::BudgetMeter meter_{options_.budget};
   double work_ = 0;  // of distances, in tests of nodes and triangles
   double next_shadow_ = 0.5 * work_of_shadow();
 };
