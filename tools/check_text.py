@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import re
 import sys
 from collections.abc import Iterator
@@ -35,6 +36,9 @@ CODE = re.compile(r"^[ \t]*(```|~~~).*?^[ \t]*\1[^\n]*$|`[^`\n]*`", re.MULTILINE
 LINK = re.compile(r"\]\(\s*<?([^()\s<>]+)|^[ \t]*\[[^\]\n]+\]:[ \t]+(\S+)|\b(?:src|href)=\"([^\"]+)\"", re.MULTILINE)
 HEADING = re.compile(r"^#{1,6}[ \t]+(.*?)[ \t]*#*$|<a (?:id|name)=\"([^\"]+)\"", re.MULTILINE)
 
+TEST = re.compile(r"^\w*(?:TEST\w*|_PROP)\((\w+), *(\w+)", re.MULTILINE)
+NAME_OF_TESTS = re.compile(r"`([A-Z]\w+\.(?:\w+[*…]?|\*))`")  # in a page of docs/algorithms
+
 
 def _anchors(page: Path) -> set[str]:
     """The anchors of a page: those that it gets for its headings, and its own."""
@@ -55,7 +59,7 @@ def _link_faults(root: Path, name: str, text: str) -> Iterator[tuple[int, str]]:
             yield match.start(), f"link {target}: there is no such heading"
 
 
-def _faults(root: Path, name: str, text: str, known: list[str]) -> Iterator[tuple[int, str]]:
+def _faults(root: Path, name: str, text: str, known: list[str], tests: set[str]) -> Iterator[tuple[int, str]]:
     """Where a file is at fault, and how."""
     yield from ((match.start(), f"{match.group()} is to be finished") for match in UNFINISHED.finditer(text))
     if name.startswith("src/") and name.endswith(CPP_SUFFIXES):
@@ -69,6 +73,10 @@ def _faults(root: Path, name: str, text: str, known: list[str]) -> Iterator[tupl
             yield match.start(), f"{match.group()} does not exist"
     if name.endswith(".md"):
         yield from _link_faults(root, name, text)
+    if name.startswith("docs/algorithms/"):
+        for match in NAME_OF_TESTS.finditer(text):
+            if not fnmatch.filter(tests, match[1].replace("…", "*")):
+                yield match.start(), f"there are no tests called {match[1]}"
     if name.endswith((*CODE_SUFFIXES, ".py")) and text.count("\n") > MOST_LINES:
         yield len(text), f"more than {MOST_LINES} lines"
 
@@ -77,9 +85,10 @@ def check(root: Path) -> list[str]:
     ours = {name: text for name, text in texts(root, suffixes=TEXT_SUFFIXES) if name not in NAME_WHAT_IS_LOOKED_FOR}
     entries = ENTRY.findall(ours.get(BIBLIOGRAPHY, ""))
     cited = {key for text in ours.values() for found in CITATION.findall(text) for key in re.findall(KEY, found)}
+    tests = {".".join(test) for name, text in ours.items() if name.startswith("tests/") for test in TEST.findall(text)}
     idle = [key for key in sorted(set(entries)) if key not in cited or entries.count(key) > 1]
     return [f"{BIBLIOGRAPHY}:1: {key} is cited nowhere, or defined twice" for key in idle] + [
-        finding(name, text, at, what) for name, text in ours.items() for at, what in _faults(root, name, text, entries)
+        finding(name, text, at, what) for name, text in ours.items() for at, what in _faults(root, name, text, entries, tests)
     ]
 
 

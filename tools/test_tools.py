@@ -83,6 +83,8 @@ class Texts(Repository):
             "src/base/a.cpp": "// std::cout, [Euler1999], see docs/a.md\nint x = y[A1999x];\nf(\"printf()\");\nsnprintf(b, n, f);\n"
                               "static_assert(true);\nssize_t exit_code();\n",
             "docs/a.md": "# A b\n[b](b/b.md#c-d) [web](https://example.org/x.md) `[code](nowhere)` [self](#a-b)\n",
+            "tests/unit/a_test.cpp": HEAD + "TEST(Square, HasArea) {}\nRC_GTEST_PROP(Circle, IsRound, (double x)) {}\n",
+            "docs/algorithms/a.md": "`Square.HasArea`, `Square.*`, `Circle.Is…`\n",
             "docs/b/b.md": "# C, d!\n[up](../a.md)\n```\n[x](nowhere.md)\n```\n",
         })
 
@@ -93,6 +95,7 @@ class Texts(Repository):
             ({"src/base/b.h": HEAD + "// " + 118 * "a" + "\n"}, "src/base/b.h:3: 121 "),
             (self.BIB | {"src/a.cpp": "// [Euler1999]\n// [Euler1999, Gauss1988]\n"}, "src/a.cpp:2: [Gauss1988] "),
             (self.BIB, "docs/references.bib:1: Euler1999 is cited nowhere"),
+            ({"docs/algorithms/a.md": "`Square.Has*`\n", "tests/a.cpp": HEAD + "TEST(Square, IsFlat) {}\n"}, "docs/algorithms/a.md:1: there"),
             ({"src/a.h": "\n/// Source docs/algorithms/no.md.\n"}, "src/a.h:2: docs/alg"),
         ]
         cases += [({"src/base/b.cpp": HEAD + text + "\n"}, "src/base/b.cpp:3: ")

@@ -20,14 +20,10 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 
 using simd::BoxRow;
 
-float side(const BoxRow& box, int axis) { return -box.least[4 + axis] - box.least[axis]; }
-float half_area(const BoxRow& box) {
-  const float x = side(box, 0), y = side(box, 1), z = side(box, 2);
-  return x * y + y * z + z * x;
-}
-float diagonal_sq(const BoxRow& box) {
-  const float x = side(box, 0), y = side(box, 1), z = side(box, 2);
-  return x * x + y * y + z * z;
+/// The sides of a box. Kernels find the least of each number, so a BoxRow is the least corner, and minus the greatest.
+std::array<float, 3> sides_of(const BoxRow& box) {
+  const auto side = [&](int axis) { return -box.least[4 + axis] - box.least[axis]; };
+  return {side(0), side(1), side(2)};
 }
 
 /// The box of a triangle. A model that grows beyond float32 while it is rebuilt has infinite numbers: they are made
@@ -42,40 +38,61 @@ BoxRow box_of(const PrimitiveRef& primitive, const HalfSides& half_sides) {
   return box;
 }
 
-/// Primitives with their boxes and sizes, in one order. In `by_size_` the squared diagonal of a triangle's box takes
-/// the place of the first coordinate, so that least_of_few() can sort by it.
+/// Primitives with their sizes and boxes: three arrays in one order, that of the leaves once all is split. A size is
+/// the squared diagonal of a triangle's box. It takes the place of the first coordinate, so that least_of_few() can
+/// compare it. Some primitives of a range are a mask, in which bit i stands for the i-th.
 class FewPrimitives {
  public:
   FewPrimitives(std::span<const PrimitiveRef> primitives, std::span<const HalfSides> half_sides) {
     LIMBER_ASSERT(primitives.size() <= simd::few_points);
-    std::copy(primitives.begin(), primitives.end(), by_center_.begin());
+    std::copy(primitives.begin(), primitives.end(), centers_.begin());
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const TriangleId triangle = primitives[i].triangle;
       boxes_[i] = box_of(primitives[i], half_sides[triangle]);
-      by_size_[i] = {{diagonal_sq(boxes_[i]), 0, 0}, triangle};
+      const auto [x, y, z] = sides_of(boxes_[i]);
+      sizes_[i] = {{x * x + y * y + z * z, 0, 0}, triangle};
     }
   }
 
+  /// Splits a range down to leaves.
+  void split_into_leaves(const BuildRange& range) {
+    if (range.children <= 1) return;
+    const std::size_t middle = middle_of(range);
+    split(range.begin, range.end, middle - range.begin);
+    for (const BuildRange& half : halves_of(range, middle)) split_into_leaves(half);
+  }
+
+  std::span<const PrimitiveRef> in_order(std::size_t count) const { return std::span(centers_).first(count); }
+
+ private:
+  template <typename T>
+  using Few = std::array<T, simd::few_points>;
+
+  static_assert(simd::few_points == 64, "a mask has a bit for each");
+  // Choices that save attempts; no answer depends on them. Sides of the box of the centers that are shorter than this
+  // part of the longest are not tried; nor are sizes, unless the largest is this many times the smallest.
+  static constexpr float worth_splitting = 0.25F, different_size_sq = 2;
+
   /// Splits a range into its first `rank` primitives and the others: of the medians along the long axes and of the
-  /// sizes, the one of least cost.
+  /// sizes, the one of least cost. Pre: rank > 0.
   void split(std::size_t begin, std::size_t end, std::size_t rank) {
-    const std::span<const PrimitiveRef> centers = std::span(by_center_).subspan(begin, end - begin);
+    const std::span<const PrimitiveRef> centers = std::span(centers_).subspan(begin, end - begin);
     simd::PointBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     simd::kernels().extend_box(as_points(centers.data()), centers.size(), box);
     const float sides[3] = {box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]};
     const float longest = std::max({sides[0], sides[1], sides[2]});
-    std::uint64_t best = 0;
+    std::uint64_t best = 0;  // none yet: a first part is never empty
     float least_cost = infinity;
     const auto attempt = [&](std::uint64_t first) {
-      const float cost =
-          cost_of(begin, first, rank) + cost_of(begin, all_of(centers.size()) & ~first, end - begin - rank);
+      const std::uint64_t others = ~std::uint64_t{0} >> (simd::few_points - centers.size()) & ~first;
+      const float cost = cost_of(begin, first, rank) + cost_of(begin, others, end - begin - rank);
       if (best == 0 || cost < least_cost) best = first, least_cost = cost;
     };
     for (int axis = 0; axis < 3; ++axis) {
       const bool is_long = sides[axis] >= worth_splitting * longest;
       if (is_long) attempt(least_of_few(centers, static_cast<std::size_t>(axis), rank));
     }
-    const std::span<const PrimitiveRef> sizes = std::span(by_size_).subspan(begin, end - begin);
+    const std::span<const PrimitiveRef> sizes = std::span(sizes_).subspan(begin, end - begin);
     float smallest = infinity, largest = 0;
     for (const PrimitiveRef& size : sizes) {
       smallest = std::min(smallest, size.center[0]), largest = std::max(largest, size.center[0]);
@@ -83,33 +100,21 @@ class FewPrimitives {
     if (largest > different_size_sq * smallest) attempt(least_of_few(sizes, 0, rank));
     // A model that grows beyond float32 while it is rebuilt has no longest side. Any split will do.
     if (best == 0) best = least_of_few(centers, 0, rank);
-    move_to_front(by_center_, begin, end, best);
-    move_to_front(by_size_, begin, end, best);
+    move_to_front(centers_, begin, end, best);
+    move_to_front(sizes_, begin, end, best);
     move_to_front(boxes_, begin, end, best);
   }
 
-  std::span<const PrimitiveRef> first(std::size_t count) const { return std::span(by_center_).first(count); }
-
- private:
-  template <typename T>
-  using Few = std::array<T, simd::few_points>;
-
-  // Shorter sides of the box of the centers, as parts of the longest, are not worth a split.
-  static constexpr float worth_splitting = 0.25F;
-  // Sizes matter if the largest squared diagonal is that many times the smallest.
-  static constexpr float different_size_sq = 2;
-
-  static std::uint64_t all_of(std::size_t count) { return ~std::uint64_t{0} >> (simd::few_points - count); }
-
-  /// The surface area of the box of some primitives, times their number.
+  /// Half the surface area of the box of some primitives of the range from `begin` on, times their number.
   float cost_of(std::size_t begin, std::uint64_t which, std::size_t count) const {
-    return half_area(simd::kernels().join_rows(boxes_.data() + begin, which)) * static_cast<float>(count);
+    const auto [x, y, z] = sides_of(simd::kernels().join_rows(boxes_.data() + begin, which));
+    return (x * y + y * z + z * x) * static_cast<float>(count);
   }
 
   /// Moves those of a range whose bits are set before the others; both keep their order.
   template <typename T>
   static void move_to_front(Few<T>& all, std::size_t begin, std::size_t end, std::uint64_t which) {
-    std::array<T, simd::few_points> others;
+    Few<T> others;
     std::size_t to = begin, other_count = 0;
     for (std::size_t i = begin; i < end; ++i, which >>= 1) {
       others[other_count] = all[i];
@@ -119,16 +124,9 @@ class FewPrimitives {
     std::copy_n(others.begin(), other_count, all.begin() + static_cast<std::ptrdiff_t>(to));
   }
 
-  Few<PrimitiveRef> by_center_, by_size_;
+  Few<PrimitiveRef> centers_, sizes_;
   Few<BoxRow> boxes_;
 };
-
-void partition(FewPrimitives& few, const BuildRange& range) {
-  if (range.children <= 1) return;
-  const std::size_t middle = middle_of(range);
-  few.split(range.begin, range.end, middle - range.begin);
-  for (const BuildRange& half : halves_of(range, middle)) partition(few, half);
-}
 
 }  // namespace
 
@@ -151,8 +149,8 @@ std::uint64_t least_of_few(std::span<const PrimitiveRef> primitives, std::size_t
 void partition_few(std::span<PrimitiveRef> primitives, const BuildRange& range, std::span<const HalfSides> half_sides) {
   const std::span<PrimitiveRef> used = primitives.subspan(range.begin, range.end - range.begin);
   FewPrimitives few(used, half_sides);
-  partition(few, {0, used.size(), range.children});
-  std::copy_n(few.first(used.size()).begin(), used.size(), used.begin());
+  few.split_into_leaves({0, used.size(), range.children});
+  std::ranges::copy(few.in_order(used.size()), used.begin());
 }
 
 }  // namespace limber::bvh

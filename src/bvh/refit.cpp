@@ -4,20 +4,19 @@
 // Fits the bounds of a tree bottom up: those of all nodes, or of dirty nodes and of the nodes above them.
 //
 // Based on  Slab cut balls [LarssonAkenineMoller2009]: a sphere cut by the slab that bounds its content.
-// Differs   A box about the sphere's center cuts it, too. One kernel fits a lowest node to the corners below it: the
-//           slots of its leaves, and a volume around all of them. Another kernel merges the slots of a higher node into
-//           a volume around them. Either volume is stored in the slot of the parent.
+// Differs   A box about the sphere's center cuts it, too.
 //
-// fit_lowest() fits the slots of one lowest node, fit_upper() those of a higher one, fit_all() all. refit(i) updates
-// node i and the slot that stands for it in its parent; if that slot changed, the parent is dirty next.
+// 1. fit_lowest_node(): a kernel fits the slots of a lowest node to the corners in its leaves, and a volume around all.
+// 2. merge_slots(): another kernel merges the slots of a higher node into a volume around them.
+// 3. store() puts either volume into the slot of the parent that stands for the node.
 //
-// Node 0, the header, has one slot, the root slot, for the whole mesh. The child in it is node 1, the top node, which
-// other libraries call the root (bvh/tree.h). Slots below which all triangles coincide are marked: any one triangle
-// answers queries for all of them.
+// fit_upper_node() does so for the children of one node, fit_whole_tree() for all nodes. refit_node() does so for one
+// dirty node; if the slot in its parent has changed, the parent is dirty next.
 //
-// A lowest node's origin is a corner of a triangle below it; a higher node's origin is that of its first child, so a
-// corner, too. So origins are near what is relative to them: the difference of a position and an origin is small, and
-// so is its rounding.
+// Node 0, the header, has one slot, the root slot, for the whole mesh; the child in it is node 1, the top node
+// (bvh/tree.h). Slots below which all triangles coincide are marked: any one triangle answers for all of them.
+// A lowest node's origin is a corner of a triangle below it; a higher node takes that of its first child. So origins
+// are near what is relative to them: the difference of a position and an origin is small, and so is its rounding.
 #include "bvh/refit.h"
 
 #include <algorithm>
@@ -38,11 +37,11 @@ namespace {
 
 using base::outward;
 
-// Fewer nodes are not worth a task.
+// Fewer nodes are not worth a task: a guess, on which no answer depends.
 constexpr std::size_t nodes_per_task = 16;
 
-// A node takes a new origin when its own is farther from its first child's than this multiple of its largest slot
-// radius. At 64 radii, stored centers, of 24 bits, have lost 6 of them.
+// A refitted node takes a new origin when its own is farther from its first child's than this multiple of its largest
+// slot radius. At 64 radii, stored centers, of 24 bits, have lost 6 of them. Less would fit more nodes anew.
 constexpr double tolerated_origin_distance = 64;
 
 /// The sphere, box and slab of one slot (ChildBounds in layout/node.h says more), in float64, in units, relative to the
@@ -56,27 +55,20 @@ struct Volume {
   bool operator==(const Volume&) const = default;
 };
 
-Vec3 to_24_bits(const Vec3& v) { return {base::to_24_bits(v.x), base::to_24_bits(v.y), base::to_24_bits(v.z)}; }
-
 Vec3 vec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 Volume to_volume(const MergedBounds& b) {
   return {vec3(b.center), vec3(b.half), b.radius, vec3(b.normal), b.low, b.high};
 }
 
 Volume volume_of_slot(const Node& node, std::uint32_t k) {
   const ChildBounds& n = node.bounds;
-  return {local_slot_center(node, k),
-          {n.half_x[k], n.half_y[k], n.half_z[k]},
-          n.radius[k],
-          {n.normal_x[k], n.normal_y[k], n.normal_z[k]},
-          n.low[k],
-          n.high[k]};
+  const Vec3 half{n.half_x[k], n.half_y[k], n.half_z[k]}, normal{n.normal_x[k], n.normal_y[k], n.normal_z[k]};
+  return {local_slot_center(node, k), half, n.radius[k], normal, n.low[k], n.high[k]};
 }
 
 /// A smaller radius for `whole`, the volume around the top node: fitted to the slots of the top node's children. The
-/// one that merge() fits to the slots of the top node is a quarter too large on a model that is a ball. That matters
-/// because many queries end at the root slots of the two models.
+/// one that merge_slots() fits to the top node's own slots is a quarter too large on a model that is a ball. That
+/// matters because many queries end at the root slots of the two models.
 double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
   double radius = 0;
   for (std::uint32_t k = 0; k < top.child_count; ++k) {
@@ -84,13 +76,13 @@ double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
     const Vec3 shift = (child.origin - top.origin) * (1 / tree.unit) - whole.center;
     for (std::uint32_t j = 0; j < child.child_count; ++j) {
       const Reach reach = reach_of(child.bounds, j, local_slot_center(child, j) + shift);
-      // squares_up: float32 normals have length 1 only up to rounding. The factor for squares is ample for lengths.
+      // squares_up, 1 + 2^-20: stored normals have length 1 up to 4.5 * 2^-24 only, and heights are off by as much.
       radius = std::max(radius, std::min(reach.by_sphere, reach.by_slab * double{base::squares_up}));
     }
   }
   // Two kinds of rounding in float64. That of `radius` is in proportion to it: a factor. That of `shift` and of the
-  // centers is in proportion to their length, which is at most some hundred times that of `whole`
-  // (tolerated_origin_distance); `outward` has room for 2^13 roundings.
+  // centers is in proportion to their lengths. These are at most that of whole.center, and on each of up to 10 levels
+  // 64 radii (tolerated_origin_distance) of at most sqrt(3) halves: 1100. `outward` has room for 2^13 = 8192 roundings.
   const double rounding = (outward - 1) * (max_abs(whole.center) + max_abs(whole.half));
   return std::min(whole.radius, radius * outward + rounding);
 }
@@ -98,7 +90,8 @@ double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
 /// Stores a volume, which is relative to `origin`, in a slot of a node, rounded outward.
 void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& volume, double per_unit) {
   const Vec3 offset = (origin - node.origin) * per_unit;
-  const Vec3 center = offset + volume.center, stored = to_24_bits(center);
+  const Vec3 center = offset + volume.center;
+  const Vec3 stored{base::to_24_bits(center.x), base::to_24_bits(center.y), base::to_24_bits(center.z)};
   // An upper bound of the distance between the stored center and the volume's: no height over the center, radius or
   // half extent changes by more.
   const Vec3 off = center - stored;
@@ -137,7 +130,7 @@ double unit_of_bounds(const Tree& tree) {
   const Node& header = tree.nodes[0];
   return unit_for(2 * tree.unit * length(volume_of_slot(header, 0).half), max_abs(header.origin));
 }
-/// Whether the unit of a tree is at most `ratio` times the one that suits its bounds, and at least 1 / `ratio` of it.
+/// Whether the unit of a tree is the one that suits its bounds up to a factor of `ratio`.
 bool has_unit_within(const Tree& tree, double ratio) {
   const double unit = unit_of_bounds(tree);
   return unit <= ratio * tree.unit && tree.unit <= ratio * unit;
@@ -146,19 +139,17 @@ bool has_unit_within(const Tree& tree, double ratio) {
 /// Fits the nodes of one tree to the positions of one mesh.
 class Refitter {
  public:
-  Refitter(Tree& tree, MeshView mesh)
-      : tree_(tree), lowest_level_(tree.lowest_level()), positions_(mesh.positions.data()), kernels_(simd::kernels()) {}
+  Refitter(Tree& tree, MeshView mesh) : tree_(tree), positions_(mesh.positions.data()), kernels_(simd::kernels()) {}
 
-  std::size_t lowest_level() const { return lowest_level_; }
   bool is_lowest(std::uint32_t node) const { return node >= tree_.first_lowest_node(); }
 
   /// Fits the slots of a node above the lowest level. Children on the lowest level are fitted here first, as one kernel
   /// fits their slots and the volume around them; the slots of other children must have been fitted before.
-  void fit_upper(Node& node, bool children_are_lowest) {
+  void fit_upper_node(Node& node, bool children_are_lowest) {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       Node& child = tree_.nodes[node.first_child + k];
       base::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
-      const Volume volume = children_are_lowest ? fit_lowest(child, leaves_from(child)) : merge(child);
+      const Volume volume = children_are_lowest ? fit_lowest_node(child, leaves_from(child)) : merge_slots(child);
       if (k == 0) node.origin = child.origin;
       store(node, k, child.origin, volume, 1 / tree_.unit);
       mark_coincident(node, k, all_coincide(child, children_are_lowest));
@@ -166,46 +157,46 @@ class Refitter {
     set_radius(node);
   }
 
-  /// Fits the whole tree, bottom up.
-  void fit_all() {
-    if (lowest_level_ == 0) fit_lowest(tree_.nodes[0], tree_.leaves);  // one leaf, below the header
-    for (std::size_t level = lowest_level_; level-- > 0;) {
+  void fit_whole_tree() {
+    const std::size_t lowest_level = tree_.lowest_level();
+    if (lowest_level == 0) fit_lowest_node(tree_.nodes[0], tree_.leaves);  // one leaf, below the header
+    for (std::size_t level = lowest_level; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
       base::parallel_for(end - begin, nodes_per_task,
-                         [&](std::size_t i) { fit_upper(tree_.nodes[begin + i], level + 1 == lowest_level_); });
+                         [&](std::size_t i) { fit_upper_node(tree_.nodes[begin + i], level + 1 == lowest_level); });
     }
   }
 
   /// Refits dirty node `i`, below which corners or slots have changed. The slots of a lowest node are fitted to its
   /// leaves. Those of a higher node have been stored when its children were refitted, but all are fitted again if the
-  /// node needs another origin. Then the parent's slot for the node is stored. Returns whether the parent is dirty now:
-  /// whether that slot has changed; false for the header, which has no parent.
-  bool refit(std::uint32_t i) {
+  /// node needs another origin. Then the parent's slot for the node is stored. Returns whether the parent is dirty now;
+  /// false for the header, which has no parent.
+  bool refit_node(std::uint32_t i) {
     const bool node_is_lowest = is_lowest(i);
     Node& node = tree_.nodes[i];
-    if (!node_is_lowest) {
-      if (is_far_from_first_child(node)) {
-        fit_upper(node, is_lowest(node.first_child));
-      } else {
-        set_radius(node);
-      }
+    if (!node_is_lowest && is_far_from_first_child(node)) {
+      fit_upper_node(node, is_lowest(node.first_child));
+    } else if (!node_is_lowest) {
+      set_radius(node);
     }
-    const Volume volume = node_is_lowest ? fit_lowest(node, leaves_of(node)) : merge(node);
+    const Volume volume = node_is_lowest ? fit_lowest_node(node, leaves_of(node)) : merge_slots(node);
     if (i == 0) return false;
     Node& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
-    const bool coincided = (parent.coincident_slots >> slot & 1) != 0, coincides = all_coincide(node, node_is_lowest);
-    mark_coincident(parent, slot, coincides);
-    // Besides a changed volume: if the parent is the top node, the radius of the root slot depends on the slots of
-    // `node` itself. And coincident triangles may have moved too little to change a volume, but enough to coincide no
-    // longer, or now, with those of the parent's other slots.
-    return before != volume_of_slot(parent, slot) || &parent == top_node() || coincided || coincides;
+    const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0;
+    const bool is_coincident = all_coincide(node, node_is_lowest);
+    mark_coincident(parent, slot, is_coincident);
+    // The radius of the root slot depends on the slots of the top node's children themselves.
+    const bool counts_for_root_radius = &parent == top_node();
+    // Triangles may move less than their volume shows, and yet coincide no longer, or now, with those of other slots.
+    const bool may_change_marks = was_coincident || is_coincident;
+    return before != volume_of_slot(parent, slot) || counts_for_root_radius || may_change_marks;
   }
 
   /// Prefetches what the nodes after the i-th will need: leaves, then the position of one corner of every second
-  /// triangle, as neighbors often share cache lines. Always inlined, see base::prefetch().
+  /// triangle, as neighbors often share cache lines (docs/design/deforming.md). Always inlined, see base::prefetch().
   [[gnu::always_inline]] void prefetch(const std::vector<std::uint32_t>& nodes, std::size_t i) const {
     constexpr std::size_t leaves_ahead = 4, positions_ahead = 2;
     if (i + leaves_ahead < nodes.size()) {
@@ -213,15 +204,14 @@ class Refitter {
     }
     if (i + positions_ahead < nodes.size()) {
       for (const Leaf& leaf : leaves_of(tree_.nodes[nodes[i + positions_ahead]])) {
-        for (std::uint32_t j = 0; j < width; j += 2) __builtin_prefetch(&positions_[leaf.vertices[j][2]]);
+        for (std::uint32_t j = 0; j < width; j += 2) base::prefetch(positions_[leaf.vertices[j][2]].x);
       }
     }
   }
 
-  /// Gives the tree another unit if the model has become far larger or smaller than the present one. Returns whether
-  /// the unit has changed: the whole tree has to be fitted then. The bounds tell that the unit is off by 2^20 or more,
-  /// but not by how much: they are enlarged by 2^-60 units (base::smallest_corner_error), which may be far more than
-  /// the model's size. So the vertices are measured.
+  /// Gives the tree another unit if the model has become far larger or smaller than the present one. Returns whether it
+  /// has: then all has to be fitted. Bounds tell that the unit is off by 2^20 or more, but not by how much, as they are
+  /// enlarged by 2^-60 units (base::smallest_corner_error), maybe far more than the model. So vertices are measured.
   bool change_unit_if_unfit(MeshView mesh) {
     if (has_unit_within(tree_, unit_ratio_until_fit)) return false;
     const double before = std::exchange(tree_.unit, bounding_box_of(mesh).unit());
@@ -231,7 +221,7 @@ class Refitter {
  private:
   /// Fits a lowest node and its leaves, which come first in `leaves`; those behind them are prefetched. Returns the
   /// volume around them all.
-  Volume fit_lowest(Node& node, std::span<Leaf> leaves) {
+  Volume fit_lowest_node(Node& node, std::span<Leaf> leaves) {
     return to_volume(kernels_.fit_leaves(positions_, tree_.unit, node, leaves));
   }
   /// The leaves of a lowest node and of all nodes after it.
@@ -239,7 +229,7 @@ class Refitter {
   std::span<Leaf> leaves_of(const Node& node) const { return leaves_from(node).first(node.child_count); }
 
   /// The volume around the children of a node above the lowest level.
-  Volume merge(const Node& node) const {
+  Volume merge_slots(const Node& node) const {
     Volume volume = to_volume(kernels_.merge_bounds(node));
     if (&node == top_node()) volume.radius = root_radius(tree_, node, volume);
     return volume;
@@ -289,16 +279,14 @@ class Refitter {
   }
 
   Tree& tree_;
-  std::size_t lowest_level_;
   const Vec3* positions_;
   const simd::Kernels& kernels_;
 };
 
 }  // namespace
 
-// Unlike change_unit_if_unfit(), a rebuild can take the unit from the bounds: every refit leaves a unit that is within
-// 2^20 of the one that suits them (unit_ratio_until_fit). So 2^-60 units, by which they are enlarged, are about 2^-40
-// of their size or less.
+// Unlike change_unit_if_unfit(), a rebuild can take the unit from the bounds: every refit leaves one that suits them up
+// to 2^20 (unit_ratio_until_fit). So what they are enlarged by is about 2^-40 of their size or less.
 double unit_for_rebuild(const Tree& tree) {
   return has_unit_within(tree, unit_ratio_until_rebuild) ? tree.unit : unit_of_bounds(tree);
 }
@@ -306,18 +294,18 @@ double unit_for_rebuild(const Tree& tree) {
 void fit(Tree& tree, MeshView mesh) {
   LIMBER_ASSERT(tree.level_begin.size() >= 2);
   Refitter refitter(tree, mesh);
-  refitter.fit_all();
-  if (refitter.change_unit_if_unfit(mesh)) refitter.fit_all();
+  refitter.fit_whole_tree();
+  if (refitter.change_unit_if_unfit(mesh)) refitter.fit_whole_tree();
   LIMBER_ASSERT(std::isfinite(tree.nodes[0].bounds.radius[0]));
 }
 
 void fit_upper_node(Tree& tree, MeshView mesh, std::uint32_t node) {
   LIMBER_ASSERT(node < tree.first_lowest_node());
   Refitter refitter(tree, mesh);
-  refitter.fit_upper(tree.nodes[node], refitter.is_lowest(tree.nodes[node].first_child));
+  refitter.fit_upper_node(tree.nodes[node], refitter.is_lowest(tree.nodes[node].first_child));
 }
 
-bool refit_node(Tree& tree, MeshView mesh, std::uint32_t node) { return Refitter(tree, mesh).refit(node); }
+bool refit_node(Tree& tree, MeshView mesh, std::uint32_t node) { return Refitter(tree, mesh).refit_node(node); }
 
 std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
   if (dirty.covers_most_of(tree)) {
@@ -329,13 +317,13 @@ std::uint64_t refit(Tree& tree, MeshView mesh, DirtySet& dirty) {
   Refitter refitter(tree, mesh);
   std::uint64_t refitted = 0;
   dirty.sort_lowest();
-  for (std::size_t level = refitter.lowest_level() + 1; level-- > 0;) {
+  for (std::size_t level = tree.lowest_level() + 1; level-- > 0;) {
     const std::vector<std::uint32_t>& nodes = dirty.nodes(level);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (level == refitter.lowest_level()) refitter.prefetch(nodes, i);
+      if (level == tree.lowest_level()) refitter.prefetch(nodes, i);
       const std::uint32_t node = nodes[i];
       ++refitted;
-      if (refitter.refit(node)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));
+      if (refitter.refit_node(node)) dirty.add_node(level - 1, node_of(tree.nodes[node].parent));
     }
   }
   if (refitter.change_unit_if_unfit(mesh)) {

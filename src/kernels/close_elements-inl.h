@@ -117,7 +117,7 @@ struct alignas(64) CornerPoints {
   LIMBER_KERNEL void set(const LeafCorners& c) {
     for (std::uint32_t corner = 0; corner < 4; ++corner) {
       for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-        store_points(corners(c, static_cast<int>(corner % 3), i), v[corner * width + i]);
+        store_points3(corners(c, static_cast<int>(corner % 3), i), v[corner * width + i]);
       }
     }
   }
@@ -207,7 +207,7 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
   const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
   // A byte for each kind of element, with a bit for each slot; the last kind is a slot in use.
   const std::uint64_t owned_a = transpose(owned_by_a.of_slots), owned_b = transpose(owned_by_b.of_slots);
-  const bool is_same_leaf = self != nullptr && &self->a == &self->b;
+  const bool is_same_leaf = self != nullptr && self->is_one_leaf();
   Boxes faces_a[times], faces_b[times];
   for (std::uint32_t time = 0; time < times; ++time) {
     find_boxes(a[time], faces_a[time]), find_boxes(b[time], faces_b[time]);

@@ -3,12 +3,19 @@
 
 // Kernels::find_candidates: the pairs of triangles of two leaves that may be closer than the prune distance.
 //
-// Triangles are quantized corners. A pair is pruned if its gap along some direction is at least the prune distance plus
-// all errors. project_leaves() brings both leaves to one frame and scale, and finds the errors. Directions are tried in
-// this order: the search direction; the axes of boxes; the cross product of two edges, one of each leaf; then, for the
-// pairs that are left, one in each lane, the line of centroids and the normals of both triangles. Other cross products
-// of edges are left to the float64 routines. For two leaves of one tree no edges are tried; neighbors that certainly
-// meet nowhere else than in what they share are removed before the lanes are filled (separated_neighbors-inl.h).
+// Triangles are quantized corners, so gaps are off by an error. A pair is pruned if its gap along some direction is at
+// least the prune distance plus that error. In this order:
+//
+// 1. project_leaves() brings both leaves to one frame and scale, and finds the error.
+// 2. All pairs at once are compared along the search direction, if there is one.
+// 3. Then by the boxes of their triangles, and across two edges, the longest ones of the first pair that is left. For
+//    two leaves of one tree by the largest gap of the boxes alone, which is cheaper; and remove_separated_neighbors()
+//    removes neighbors that certainly meet nowhere else than in what they share.
+// 4. The pairs that are left, one in each lane, are compared along the line of centroids and both triangles' normals.
+//
+// Other cross products of edges are left to the float64 routines. With `wants_pruned_bound` each step also finds a
+// lower bound of the gaps of the pairs that it prunes. A mask of pairs has bit width * i + k for slot i of a and slot k
+// of b.
 
 #if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H
@@ -35,7 +42,7 @@ namespace {
 
 // Squared length of the shortest direction that may prune, where the pair is scaled so that its size is about 1. A
 // length of 0 would prune everything, as 0 >= 0. From this length on nothing underflows: limits are at least 2^-17
-// (leaf_pair_error), so squared gaps that prune are above 2^-34 * 1e-20 = 6e-31.
+// (leaf_pair_error), so squared gaps that prune are above 2^-34 * 1e-20 = 6e-31, and float32 is normal from 1.2e-38 on.
 inline constexpr float smallest_direction_sq = 1e-20F;
 
 inline constexpr float infinite = std::numeric_limits<float>::infinity();
@@ -65,35 +72,31 @@ LIMBER_KERNEL Mask is_pruned(Packet gap_w_sq, Packet w_sq, Packet limit_sq) {
 template <bool wants_pruned_bound>
 LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
                                      Packet& bound_sq) {
-  // Along w, three times the vector between the centroids: best where the triangles are small next to their distance.
-  const Packet3 w{b[0].x + b[1].x + b[2].x - (a[0].x + a[1].x + a[2].x),
-                  b[0].y + b[1].y + b[2].y - (a[0].y + a[1].y + a[2].y),
-                  b[0].z + b[1].z + b[2].z - (a[0].z + a[1].z + a[2].z)};
-  const Packet w_sq = dot(w, w);
-  const Packet gap_w_sq = interval_gap_sq(interval(dot(w, a[0]), dot(w, a[1]), dot(w, a[2])),
-                                          interval(dot(w, b[0]), dot(w, b[1]), dot(w, b[2])));
   const Packet smallest_sq = Packet::set(smallest_direction_sq);
-  const Mask is_pruned_w = is_pruned(gap_w_sq, w_sq, limit_sq);
-  if (wants_pruned_bound) bound_sq = gap_w_sq / max(w_sq, smallest_sq);
-  unsigned kept = wanted & ~bits(is_pruned_w);
+  // Three times the vector between the centroids: best where the triangles are small next to their distance.
+  const Packet3 line = (b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2]);
+  const Packet line_sq = dot(line, line);
+  const Packet line_gap_sq = interval_gap_sq(interval(dot(line, a[0]), dot(line, a[1]), dot(line, a[2])),
+                                             interval(dot(line, b[0]), dot(line, b[1]), dot(line, b[2])));
+  const Mask pruned_by_line_mask = is_pruned(line_gap_sq, line_sq, limit_sq);
+  if constexpr (wants_pruned_bound) bound_sq = line_gap_sq / max(line_sq, smallest_sq);
+  unsigned kept = wanted & ~bits(pruned_by_line_mask);
   if (kept == 0) return 0;
-  // Along the normals n of a and m of b, from a corner of a so that the numbers are small.
-  const Packet3 r0[3] = {b[0] - a[0], b[1] - a[0], b[2] - a[0]};
-  const Packet3 e1 = a[1] - a[0], e2 = a[2] - a[0];
-  const Packet3 n = cross(e1, e2);
-  const Packet n_sq = dot(n, n);
-  const Packet gap_n_sq =
-      interval_gap_sq(interval(zero(), dot(n, e1), dot(n, e2)), interval(dot(n, r0[0]), dot(n, r0[1]), dot(n, r0[2])));
-  const Packet3 m = cross(b[1] - b[0], b[2] - b[0]);
-  const Packet m_sq = dot(m, m);
-  const Packet gap_m_sq =
-      interval_gap_sq(interval(zero(), dot(m, e1), dot(m, e2)), interval(dot(m, r0[0]), dot(m, r0[1]), dot(m, r0[2])));
-  kept &= ~(bits(is_pruned(gap_n_sq, n_sq, limit_sq)) | bits(is_pruned(gap_m_sq, m_sq, limit_sq)));
-  const Packet best_sq =
-      max(max(gap_w_sq / max(w_sq, smallest_sq), gap_n_sq / max(n_sq, smallest_sq)), gap_m_sq / max(m_sq, smallest_sq));
-  // A lane that w has pruned keeps the bound along w, as if `kept` had been 0 above: results must not depend on the
-  // number of lanes.
-  bound_sq = wants_pruned_bound ? select(is_pruned_w, bound_sq, best_sq) : best_sq;
+  // Along the normals, from a corner of a so that the numbers are small.
+  const Packet3 e1 = a[1] - a[0], e2 = a[2] - a[0], to_b[3] = {b[0] - a[0], b[1] - a[0], b[2] - a[0]};
+  const auto gap_along_sq = [&](const Packet3& n) {
+    return interval_gap_sq(interval(zero(), dot(n, e1), dot(n, e2)),
+                           interval(dot(n, to_b[0]), dot(n, to_b[1]), dot(n, to_b[2])));
+  };
+  const Packet3 normal_a = cross(e1, e2), normal_b = cross(b[1] - b[0], b[2] - b[0]);
+  const Packet a_sq = dot(normal_a, normal_a), a_gap_sq = gap_along_sq(normal_a);
+  const Packet b_sq = dot(normal_b, normal_b), b_gap_sq = gap_along_sq(normal_b);
+  kept &= ~(bits(is_pruned(a_gap_sq, a_sq, limit_sq)) | bits(is_pruned(b_gap_sq, b_sq, limit_sq)));
+  const Packet best_sq = max(max(line_gap_sq / max(line_sq, smallest_sq), a_gap_sq / max(a_sq, smallest_sq)),
+                             b_gap_sq / max(b_sq, smallest_sq));
+  // A lane that the line has pruned keeps the bound along it, as if `kept` had been 0 above: results must not depend on
+  // the number of lanes.
+  bound_sq = wants_pruned_bound ? select(pruned_by_line_mask, bound_sq, best_sq) : best_sq;
   return kept;
 }
 
@@ -103,13 +106,12 @@ LIMBER_KERNEL float smallest_lane(Packet p) {
   return *std::min_element(x, x + Packet::lanes);
 }
 
-/// The pairs that the search direction does not prune: a byte for each triangle of a, with a bit for each of b.
+/// The pairs that the search direction does not prune.
 ///
 /// The support of a triangle is how far it extends along the direction towards the other leaf. So the gap of a pair is
-/// c - support_a - support_b, where c is the distance of the leaves' centers along the direction. The pair is pruned if
-/// that is at least the prune distance p and all errors e. So it is pruned where support_a + support_b is at most
-/// c - p - e, which is `pruned_support` (ProjectedLeaves). With `wants_pruned_bound`, `excess` becomes a lower bound of
-/// how much the gaps of all pruned pairs exceed the prune distance.
+/// the distance of the leaves' centers along the direction, less both supports. That is at least the prune distance and
+/// all errors where the sum of the supports is at most ProjectedLeaves::pruned_support. With `wants_pruned_bound`,
+/// `excess` becomes a lower bound of how much the gaps of all pruned pairs exceed the prune distance.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
                                                  const ProjectedLeaves& pair, const PruneLimits& pruning,
@@ -119,18 +121,19 @@ LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& 
     (farthest_corners(a, i, broadcast(pruning.direction32)) * Packet::set(pair.step_a)).store(support_a + i);
   }
   std::uint64_t wanted = 0;
-  const Packet pruned_support = Packet::set(pair.pruned_support), far = Packet::set(base::max_units);
-  Packet least = far;
+  const Packet pruned_support = Packet::set(pair.pruned_support);
+  const Packet most = Packet::set(base::max_units);  // for pairs that are kept: pruned_support is not above it
+  Packet least = most;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet support_b = farthest_corners(b, i, broadcast(pruning.other_direction32)) * Packet::set(pair.step_b);
     for (std::uint32_t row = 0; row < width; ++row) {
       const Packet support = Packet::set(support_a[row]) + support_b;
-      const Mask is_wanted = support > pruned_support;
-      wanted |= std::uint64_t{bits(is_wanted)} << (width * row + i);
-      if (wants_pruned_bound) least = min(least, select(is_wanted, far, pruned_support - support));
+      const Mask wanted_mask = support > pruned_support;
+      wanted |= std::uint64_t{bits(wanted_mask)} << (width * row + i);
+      if constexpr (wants_pruned_bound) least = min(least, select(wanted_mask, most, pruned_support - support));
     }
   }
-  if (wants_pruned_bound) excess = smallest_lane(least);
+  if constexpr (wants_pruned_bound) excess = smallest_lane(least);
   return wanted;
 }
 
@@ -142,10 +145,8 @@ struct alignas(64) Boxes {
 LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet3 p = corners(c, 0, i), q = corners(c, 1, i), r = corners(c, 2, i);
-    const Interval x = interval(p.x, q.x, r.x), y = interval(p.y, q.y, r.y), z = interval(p.z, q.z, r.z);
-    x.low.store(boxes.low[0] + i), x.high.store(boxes.high[0] + i);
-    y.low.store(boxes.low[1] + i), y.high.store(boxes.high[1] + i);
-    z.low.store(boxes.low[2] + i), z.high.store(boxes.high[2] + i);
+    store3(min3(min3(p, q), r), boxes.low, i);
+    store3(max3(max3(p, q), r), boxes.high, i);
   }
 }
 
@@ -154,15 +155,23 @@ LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
   return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
 }
 
-/// The gaps along the three axes between one box, in all lanes, and the boxes `i` and following; negative where they
-/// overlap. SomeBoxes has members low and high as Boxes does.
-template <typename SomeBoxes>
-LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const SomeBoxes& boxes, std::uint32_t i) {
-  const auto load = [&](const auto& v) {
-    return Packet3{Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
-  };
-  const Packet3 above = load(boxes.low) - high, below = low - load(boxes.high);
-  return {max(above.x, below.x), max(above.y, below.y), max(above.z, below.z)};
+/// The pairs for which keeps() says so, a mask; it is called with the gaps of the bounding boxes of all pairs along the
+/// three axes, negative where they overlap.
+template <typename Keeps>
+LIMBER_KERNEL std::uint64_t kept_by_gaps(const LeafCorners& a, const LeafCorners& b, const Keeps& keeps) {
+  Boxes boxes_a, boxes_b;
+  find_boxes(a, boxes_a);
+  find_boxes(b, boxes_b);
+  std::uint64_t wanted = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    const Packet3 low = repeated(boxes_a.low, row), high = repeated(boxes_a.high, row);
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      const Packet3 above = load3(boxes_b.low, i) - high, below = low - load3(boxes_b.high, i);
+      const Mask wanted_mask = keeps(max3(above, below));
+      wanted |= std::uint64_t{bits(wanted_mask)} << (width * row + i);
+    }
+  }
+  return wanted;
 }
 
 /// The pairs whose bounding boxes are closer than the limit. With `wants_pruned_bound`, `pruned_sq` becomes the least
@@ -170,42 +179,22 @@ LIMBER_KERNEL Packet3 box_gaps(const Packet3& low, const Packet3& high, const So
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_by_boxes(const LeafCorners& a, const LeafCorners& b, Packet limit_sq,
                                           float& pruned_sq) {
-  Boxes boxes_a, boxes_b;
-  find_boxes(a, boxes_a);
-  find_boxes(b, boxes_b);
-  std::uint64_t wanted = 0;
-  const Packet far = Packet::set(infinite);
-  Packet least = far;
-  for (std::uint32_t row = 0; row < width; ++row) {
-    const Packet3 low = repeated(boxes_a.low, row), high = repeated(boxes_a.high, row);
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet3 gaps = box_gaps(low, high, boxes_b, i);
-      const Packet3 out{max(gaps.x, zero()), max(gaps.y, zero()), max(gaps.z, zero())};
-      const Packet sum = dot(out, out);
-      const Mask is_wanted = sum < limit_sq;
-      wanted |= std::uint64_t{bits(is_wanted)} << (width * row + i);
-      if (wants_pruned_bound) least = min(least, select(is_wanted, far, sum));
-    }
-  }
-  if (wants_pruned_bound) pruned_sq = smallest_lane(least);
+  const Packet most = Packet::set(infinite);
+  Packet least = most;
+  const std::uint64_t wanted = kept_by_gaps(a, b, [&](const Packet3& gaps) {
+    const Packet distance_sq = length_of_gaps_sq(gaps);
+    const Mask wanted_mask = distance_sq < limit_sq;
+    if constexpr (wants_pruned_bound) least = min(least, select(wanted_mask, most, distance_sq));
+    return wanted_mask;
+  });
+  if constexpr (wants_pruned_bound) pruned_sq = smallest_lane(least);
   return wanted;
 }
 
 /// The pairs whose bounding boxes are closer than `limit` along every axis. This takes less time than kept_by_boxes()
 /// and prunes fewer pairs; hardly fewer where the limit is small next to the triangles, as it is for contacts.
 LIMBER_KERNEL std::uint64_t kept_along_axes(const LeafCorners& a, const LeafCorners& b, Packet limit) {
-  Boxes boxes_a, boxes_b;
-  find_boxes(a, boxes_a);
-  find_boxes(b, boxes_b);
-  std::uint64_t wanted = 0;
-  for (std::uint32_t row = 0; row < width; ++row) {
-    const Packet3 low = repeated(boxes_a.low, row), high = repeated(boxes_a.high, row);
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet3 gaps = box_gaps(low, high, boxes_b, i);
-      wanted |= std::uint64_t{bits(max(max(gaps.x, gaps.y), gaps.z) < limit)} << (width * row + i);
-    }
-  }
-  return wanted;
+  return kept_by_gaps(a, b, [&](const Packet3& gaps) { return max(max(gaps.x, gaps.y), gaps.z) < limit; });
 }
 
 /// The longest edge of the triangle in a slot.
@@ -216,7 +205,10 @@ LIMBER_KERNEL void find_longest_edge(const LeafCorners& c, std::uint32_t slot, f
     float edge[3];
     for (int j = 0; j < 3; ++j) edge[j] = c.v[3 * ((k + 1) % 3) + j][slot] - c.v[3 * k + j][slot];
     const float length_sq = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
-    if (length_sq > greatest_sq) greatest_sq = length_sq, std::copy(edge, edge + 3, longest);
+    if (length_sq > greatest_sq) {
+      greatest_sq = length_sq;
+      std::copy(edge, edge + 3, longest);
+    }
   }
 }
 
@@ -228,7 +220,8 @@ LIMBER_KERNEL void find_spans(const LeafCorners& c, const Packet3& along, Spans&
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Interval span =
         interval(dot(along, corners(c, 0, i)), dot(along, corners(c, 1, i)), dot(along, corners(c, 2, i)));
-    span.low.store(spans.low + i), span.high.store(spans.high + i);
+    span.low.store(spans.low + i);
+    span.high.store(spans.high + i);
   }
 }
 
@@ -256,7 +249,7 @@ LIMBER_KERNEL std::uint64_t kept_across_edges(const LeafCorners& a, const LeafCo
     const Packet low = Packet::set(spans_a.low[row]), high = Packet::set(spans_a.high[row]);
     for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
       const Packet gap = max(Packet::load(spans_b.low + i) - high, low - Packet::load(spans_b.high + i));
-      if (wants_pruned_bound) gap.store(gaps + width * row + i);
+      if constexpr (wants_pruned_bound) gap.store(gaps + width * row + i);
       pruned |= std::uint64_t{bits(gap >= limit_length)} << (width * row + i);
     }
   }
@@ -299,28 +292,29 @@ LIMBER_KERNEL void shift_corners(const LeafCorners& from, const float* offset, L
 
 /// The two axes of the coordinate plane in which the triangles of a slot look largest: without the axis that is nearest
 /// to the slab's normal.
-LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t slot, int (&axis)[2]) {
+LIMBER_KERNEL void find_wide_axes(const bvh::ChildBounds& bounds, std::uint32_t slot, int (&axes)[2]) {
   const float x = std::abs(bounds.normal_x[slot]), y = std::abs(bounds.normal_y[slot]);
   const float z = std::abs(bounds.normal_z[slot]);
   const int dropped = z >= std::max(x, y) ? 2 : y >= x ? 1 : 0;
-  axis[0] = dropped == 0 ? 1 : 0, axis[1] = dropped == 2 ? 1 : 2;
+  axes[0] = dropped == 0 ? 1 : 0, axes[1] = dropped == 2 ? 1 : 2;
 }
 
+/// find_candidates(), with `is_self` for two leaves of one tree; `self` is used only then.
 template <bool wants_pruned_bound, bool is_self>
-LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
-                                   const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
+LIMBER_KERNEL void find_candidates_of(const SlotRef& a, const SlotRef& b, const FrameTransform& transform,
+                                      const PruneLimits& pruning, const SelfPair* self, Candidates& candidates) {
   const ProjectedLeaves pair = project_leaves<is_self>(a, b, transform, pruning);
   candidates.count = 0, candidates.error = pair.error, candidates.scale = pair.scale;
   candidates.pruned_bound = infinite;
-  std::uint64_t wanted = is_self && &self->a == &self->b ? bvh::each_pair_once : ~std::uint64_t{0};
-  // Triangles that fill up a leaf are left out. Bit width * i + k is slot i of a and slot k of b.
+  std::uint64_t wanted = is_self && self->is_one_leaf() ? bvh::each_pair_once : ~std::uint64_t{0};
+  // Triangles that fill up a leaf are left out.
   if (a.triangle_count < width) wanted &= (std::uint64_t{1} << (width * a.triangle_count)) - 1;
   if (b.triangle_count < width) wanted &= ((std::uint64_t{1} << b.triangle_count) - 1) * in_each_byte;
   if (pruning.has_direction) {
     float excess = 0;
     wanted &= kept_along_direction<wants_pruned_bound>(*a.triangles, *b.triangles, pair, pruning, excess);
     // No error is subtracted: pair.pruned_support contains them all. The factor covers the sum's rounding.
-    if (wants_pruned_bound) candidates.pruned_bound = (pair.prune_distance + excess) * base::squares_down;
+    if constexpr (wants_pruned_bound) candidates.pruned_bound = (pair.prune_distance + excess) * base::squares_down;
     if (wanted == 0) return;
   }
   LeafCorners &ca = candidates.corners_a, &cb = candidates.corners_b;
@@ -345,14 +339,14 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
   PairList pairs;
   pairs.add(wanted);
   if (is_self) {
-    // How far a vertex may be from its stored place, beside quantization.
+    // How far a vertex may be from its stored place, beside quantization: one model's error is its slack alone, as
+    // nothing is placed.
     const float away = base::float_up(transform.error * pair.scale);
-    // The axes of the plane in which neighbors are compared. Any two are right; the choice affects speed only. Those of
-    // leaf a are good for both, as neighbors mostly have similar normals.
-    int axis[2];
-    find_wide_axes(a.node->bounds, a.slot, axis);
-    remove_separated_neighbors(LeafOfMesh(self->a, ca, pair.step_a, away),
-                               LeafOfMesh(self->b, own_b, pair.step_b, away), axis, pairs);
+    // Those of leaf a are good for both, as neighbors mostly have similar normals.
+    int axes[2];
+    find_wide_axes(a.node->bounds, a.slot, axes);
+    remove_separated_neighbors(SelfLeaf(self->a, ca, pair.step_a, away), SelfLeaf(self->b, own_b, pair.step_b, away),
+                               axes, pairs);
   }
   pairs.fill_last_packet();
   for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
@@ -374,8 +368,8 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
                                               static_cast<std::uint8_t>(slots % width)};
     }
   }
-  if (wants_pruned_bound) {
-    // pruned_sq is of gaps of boxes, across edges, and along w, n and m. Errors were not subtracted: here they are.
+  if constexpr (wants_pruned_bound) {
+    // pruned_sq is of gaps of boxes, across edges, and of compare_pairs(). Errors were not subtracted: here they are.
     candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(pruned_sq * base::squares_down) - pair.error);
   }
 }
@@ -385,11 +379,11 @@ LIMBER_KERNEL void find_candidates(const SlotRef& a, const SlotRef& b, const Fra
                                    Candidates& candidates) {
   if (self != nullptr) {
     LIMBER_ASSERT(!wants_pruned_bound);
-    find_candidates<false, true>(a, b, transform, pruning, self, candidates);
+    find_candidates_of<false, true>(a, b, transform, pruning, self, candidates);
   } else if (wants_pruned_bound) {
-    find_candidates<true, false>(a, b, transform, pruning, self, candidates);
+    find_candidates_of<true, false>(a, b, transform, pruning, self, candidates);
   } else {
-    find_candidates<false, false>(a, b, transform, pruning, self, candidates);
+    find_candidates_of<false, false>(a, b, transform, pruning, self, candidates);
   }
 }
 

@@ -1,7 +1,16 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pairs of triangles of two leaves: lists of them, and their corners, a pair in each lane.
+// For a mesh that is compared with itself: removes those pairs of neighbors that certainly have nothing in common but
+// the vertex or the edge that they share, since a line or a plane through it separates them. And the lists of pairs
+// that this needs.
+//
+// 1. shared_corners() finds which corners of two triangles are the same vertex.
+// 2. separated_by_line(): a line along an edge, in the images of both along an axis. Few operations, so it is first.
+// 3. separated_by_plane(), for the pairs that are left: planes through the shared corner or edge.
+//
+// Corners are quantized, so each test leaves room for errors; pairs that it cannot tell apart stay in the list. Bit k
+// of what is called `_lanes` stands for lane k, which holds a pair.
 
 #if defined(LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_SEPARATED_NEIGHBORS_INL_H
@@ -18,7 +27,6 @@
 #include <cstring>
 
 #include "base/error_bounds.h"
-#include "kernels/project-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
@@ -26,7 +34,12 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-/// The numbers of the bits of a byte, from the lowest on; then zeros.
+// Lists of pairs, and their corners, a pair in each lane. Other kernels use them too.
+
+static_assert(width == 8, "a mask of slots is a byte, and a mask of pairs has a byte for each slot of the first leaf");
+
+/// The numbers of the bits of a byte, from the lowest on; then zeros. A table of 2 kB, because processors cannot
+/// predict where a loop over the bits ends.
 inline constexpr auto numbers_of_bits = [] {
   std::array<std::array<std::uint8_t, width>, 256> table{};
   for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
@@ -38,6 +51,7 @@ inline constexpr auto numbers_of_bits = [] {
   return table;
 }();
 
+/// Times this, a byte is repeated in all bytes.
 inline constexpr std::uint64_t in_each_byte = 0x0101010101010101;
 
 /// Corner `k` of the triangles in the slots `i` and following.
@@ -49,13 +63,13 @@ LIMBER_KERNEL Packet3 corners(const LeafCorners& c, int k, const Slots& slots) {
   return {pick(c.v[3 * k], slots), pick(c.v[3 * k + 1], slots), pick(c.v[3 * k + 2], slots)};
 }
 
-/// Pairs of triangles of two leaves, as 8 * slot of the first + slot of the second.
+/// Pairs of triangles of two leaves, as width * slot of the first + slot of the second. There is room for a packet more
+/// than there are pairs, so that whole packets may be written and read.
 struct PairList {
   alignas(64) std::uint8_t pair[width * width + width];
   std::uint32_t count = 0;
 
-  /// Appends the pairs whose bits are set: bit 8 * i + j is triangle i of the first leaf and j of the second. Row by
-  /// row: a loop over bits would end where nothing can predict it.
+  /// Appends the pairs whose bits are set: bit width * i + j is triangle i of the first leaf and j of the second.
   LIMBER_KERNEL void add(std::uint64_t pairs) {
     std::uint32_t n = count;  // a local variable: bytes that are written could be any other
     for (std::uint32_t row = 0; row < width; ++row, pairs >>= width) {
@@ -66,11 +80,11 @@ struct PairList {
     }
     count = n;
   }
-  /// Appends pairs of another list: of those from `i` on the ones whose lanes are in `which`.
-  LIMBER_KERNEL void add(const PairList& list, std::uint32_t i, unsigned which) {
+  /// Appends pairs of another list: those of the packet from its pair `i` on that are in `lanes`.
+  LIMBER_KERNEL void add(const PairList& list, std::uint32_t i, unsigned lanes) {
     std::uint32_t n = count;
-    for (; which != 0; which &= which - 1) {
-      pair[n++] = list.pair[i + static_cast<std::uint32_t>(std::countr_zero(which))];
+    for (; lanes != 0; lanes &= lanes - 1) {
+      pair[n++] = list.pair[i + static_cast<std::uint32_t>(std::countr_zero(lanes))];
     }
     count = n;
   }
@@ -80,10 +94,56 @@ struct PairList {
   LIMBER_KERNEL unsigned lanes_at(std::uint32_t i) const { return (1U << std::min(count - i, Packet::lanes)) - 1; }
 };
 
-// Triangles of one mesh that share vertices: which of them certainly have nothing else in common.
-//
-// Seen along an axis, a triangle lies in a sector at its shared corner s, between its edges a0 and a1 from there. Two
-// triangles have but that corner in common if a line through s along one of the four edges has them on its two sides:
+/// A leaf of a mesh that is compared with itself: the vertices of its triangles, [corner][slot]; their corners, each
+/// leaf about its own center, so that differences of two corners are good to a few quantization steps.
+struct SelfLeaf {
+  alignas(64) VertexId id[3][width];
+  const LeafCorners& positions;
+  float extent;  // of all coordinates
+  float error;   // of a coordinate of the difference of two corners
+
+  /// `away` is the most that a corner may be away from where the leaf says it is, beside quantization.
+  LIMBER_KERNEL SelfLeaf(const bvh::Leaf& leaf, const LeafCorners& corners_of_leaf, float step, float away)
+      : positions(corners_of_leaf),
+        extent(bvh::max_quantized * step),
+        error((base::corner_difference_error * step + 2 * away) * base::squares_up) {
+    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+      deinterleave(leaf.vertices[i].data(), id[0] + i, id[1] + i, id[2] + i);
+    }
+  }
+};
+
+/// Which corners of two triangles are the same vertex.
+struct SharedCorners {
+  Mask a[3], b[3];                // corner k of one is a corner of the other
+  unsigned one_lanes, two_lanes;  // one corner is shared; two are. Both bits are set where three are
+};
+
+LIMBER_KERNEL SharedCorners shared_corners(const SelfLeaf& a, const Slots& in_a, const SelfLeaf& b, const Slots& in_b) {
+  Mask same[3][3];
+  const Ids of_b[3] = {pick(b.id[0], in_b), pick(b.id[1], in_b), pick(b.id[2], in_b)};
+  for (int k = 0; k < 3; ++k) {
+    const Ids of_a = pick(a.id[k], in_a);
+    for (int l = 0; l < 3; ++l) same[k][l] = of_a == of_b[l];
+  }
+  SharedCorners s;
+  for (int k = 0; k < 3; ++k) {
+    s.a[k] = same[k][0] | same[k][1] | same[k][2];
+    s.b[k] = same[0][k] | same[1][k] | same[2][k];
+  }
+  // Of three shared corners, which are odd and several, both say yes. Whatever the tests below say is right: triangles
+  // with equal corners have nothing in common but what they share. Where a triangle names a vertex more than once, the
+  // edge between these corners has no length, so it proves nothing.
+  const auto odd_mask = [](const Mask(&of)[3]) { return of[0] ^ of[1] ^ of[2]; };
+  const auto several_mask = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
+  s.one_lanes = bits(odd_mask(s.a) & odd_mask(s.b));
+  s.two_lanes = bits(several_mask(s.a) & several_mask(s.b));
+  return s;
+}
+
+// Separation by a line. Seen along an axis, a triangle lies in a sector at its shared corner s, between its edges a0
+// and a1 from there. Two triangles have but that corner in common if a line through s along one of the four edges has
+// them on its two sides:
 //
 //         a1   a0                                    a1
 //          \ a |                                       \  a
@@ -101,67 +161,22 @@ struct PairList {
 //   s                    0    1    2   |  0     0     1
 //   first other, a0      2    2    1   |  1     2     2     of two shared corners the second
 //   second other, a1     1    0    0   |  2     1     0     of two shared corners the one that is not shared: the apex
-
-/// A leaf of a mesh that is compared with itself: the vertices of its triangles, [corner][slot]; their corners, each
-/// leaf about its own center, so that differences of two corners are good to a few quantization steps.
-struct LeafOfMesh {
-  alignas(64) VertexId id[3][width];
-  const LeafCorners& corners;
-  float extent;  // of all coordinates
-  float error;   // of a coordinate of the difference of two corners
-
-  /// `away` is the most that a corner may be away from where the leaf says it is, beside quantization.
-  LIMBER_KERNEL LeafOfMesh(const bvh::Leaf& leaf, const LeafCorners& leaf_corners, float step, float away)
-      : corners(leaf_corners),
-        extent(bvh::max_quantized * step),
-        error((base::corner_difference_error * step + 2 * away) * base::squares_up) {
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      deinterleave(leaf.vertices[i].data(), id[0] + i, id[1] + i, id[2] + i);
-    }
-  }
-};
-
-/// Which corners of two triangles are the same vertex.
-struct SharedCorners {
-  Mask a[3], b[3];    // corner k of one is a corner of the other
-  unsigned one, two;  // lanes: as many corners are shared
-};
-
-LIMBER_KERNEL SharedCorners shared_corners(const LeafOfMesh& a, const Slots& in_a, const LeafOfMesh& b,
-                                           const Slots& in_b) {
-  Mask same[3][3];
-  const Ids of_b[3] = {pick(b.id[0], in_b), pick(b.id[1], in_b), pick(b.id[2], in_b)};
-  for (int k = 0; k < 3; ++k) {
-    const Ids of_a = pick(a.id[k], in_a);
-    for (int l = 0; l < 3; ++l) same[k][l] = of_a == of_b[l];
-  }
-  SharedCorners s;
-  for (int k = 0; k < 3; ++k) {
-    s.a[k] = same[k][0] | same[k][1] | same[k][2];
-    s.b[k] = same[0][k] | same[1][k] | same[2][k];
-  }
-  // Three shared corners are both one and several, and nothing is beyond them. Where a triangle names a vertex more
-  // than once, edges between its corners have no length and prove nothing.
-  const auto is_odd = [](const Mask(&of)[3]) { return of[0] ^ of[1] ^ of[2]; };
-  const auto is_several = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
-  s.one = bits(is_odd(s.a) & is_odd(s.b));
-  s.two = bits(is_several(s.a) & is_several(s.b));
-  return s;
-}
+//
+// s of b may be the other end of a shared edge. Then b1 starts there, which does not change on which side of a0 it is.
 
 /// A triangle with a shared corner in the plane of two axes, seen from there; the corners are those of the table above.
 struct Sector {
-  Packet x[2], y[2];  // of the first and second other corner
+  Packet x[2], y[2];  // of a0 and a1: from s to the first and to the second other corner
 
-  LIMBER_KERNEL Sector(const Mask (&is_shared)[3], const LeafCorners& c, const Slots& slots, const int (&axis)[2]) {
-    const Mask is_middle_left = is_shared[0] ^ is_shared[1];
+  LIMBER_KERNEL Sector(const Mask (&shared)[3], const LeafCorners& c, const Slots& slots, const int (&axes)[2]) {
+    const Mask first_is_2_mask = shared[0] ^ shared[1];  // the first other corner is 2, elsewhere 1
     Packet* const to[2] = {x, y};
     for (int k = 0; k < 2; ++k) {
-      const Packet p0 = pick(c.v[axis[k]], slots), p1 = pick(c.v[3 + axis[k]], slots);
-      const Packet p2 = pick(c.v[6 + axis[k]], slots);
-      const Packet at = select(is_shared[0], p0, select(is_shared[1], p1, p2));
-      to[k][0] = select(is_middle_left, p2, p1) - at;
-      to[k][1] = select(is_shared[0], select(is_shared[1], p2, p1), p0) - at;
+      const Packet p0 = pick(c.v[axes[k]], slots), p1 = pick(c.v[3 + axes[k]], slots);
+      const Packet p2 = pick(c.v[6 + axes[k]], slots);
+      const Packet s = select(shared[0], p0, select(shared[1], p1, p2));
+      to[k][0] = select(first_is_2_mask, p2, p1) - s;
+      to[k][1] = select(shared[0], select(shared[1], p2, p1), p0) - s;
     }
   }
 };
@@ -171,26 +186,28 @@ struct SectorErrors {
   Packet aa, ab, bb;
 };
 
-/// Lanes in which a line through the shared corner, along an edge of one of the triangles, separates their images along
-/// an axis: the triangles have only the shared corner in common, or the shared edge.
-LIMBER_KERNEL unsigned separated_along_axis(const SharedCorners& shared, const Sector& a, const Sector& b,
-                                            const SectorErrors& error) {
+/// Lanes in which a line through the shared corner, along an edge of one of the triangles, separates their images: the
+/// triangles have only the shared corner in common, or the shared edge. A sector that is as narrow as its error has no
+/// left and right: its edges separate nothing.
+LIMBER_KERNEL unsigned separated_by_line(const SharedCorners& shared, const Sector& a, const Sector& b,
+                                         const SectorErrors& error) {
   const auto turn = [](const Sector& p, int i, const Sector& q, int j) { return p.x[i] * q.y[j] - p.y[i] * q.x[j]; };
   const Packet turn_a = turn(a, 0, a, 1), turn_b = turn(b, 0, b, 1);
   const Packet t00 = turn(a, 0, b, 0), t01 = turn(a, 0, b, 1), t10 = turn(a, 1, b, 0), t11 = turn(a, 1, b, 1);
-  // Signs as if either triangle turned left.
+  // Positive: left of the edge of a, if a turns left from a0 to a1; and the same of b.
   const Packet a00 = flipped_as(t00, turn_a), a01 = flipped_as(t01, turn_a), a10 = flipped_as(t10, turn_a),
                a11 = flipped_as(t11, turn_a);
   const Packet b00 = flipped_as(t00, turn_b), b01 = flipped_as(t01, turn_b), b10 = flipped_as(t10, turn_b),
                b11 = flipped_as(t11, turn_b);
-  const Mask is_a = abs(turn_a) > error.aa, is_b = abs(turn_b) > error.bb;
-  // b is to the right of the first edge of a, or to the left of its second; and the other way round.
+  const Mask a_turns_mask = abs(turn_a) > error.aa, b_turns_mask = abs(turn_b) > error.bb;
+  // How far b0 and b1 are to the right of a0, or to the left of a1. And how far a0 and a1 are to the right of b0, which
+  // is then to the left of them, or to the left of b1.
   const Packet beyond_a = max(zero() - max(a00, a01), min(a10, a11));
   const Packet beyond_b = max(min(b00, b10), zero() - max(b01, b11));
-  const Mask is_one = (is_a & (beyond_a > error.ab)) | (is_b & (beyond_b > error.ab));
-  // The first edges are the shared one: the other corners are on different sides of it.
-  const Mask is_two = is_a & (zero() - a01 > error.ab);
-  return (bits(is_one) & shared.one) | (bits(is_two) & shared.two);
+  const Mask one_mask = (a_turns_mask & (beyond_a > error.ab)) | (b_turns_mask & (beyond_b > error.ab));
+  // a0 is the shared edge: a1 is to the left of it, b1 to the right.
+  const Mask two_mask = a_turns_mask & (zero() - a01 > error.ab);
+  return (bits(one_mask) & shared.one_lanes) | (bits(two_mask) & shared.two_lanes);
 }
 
 /// Errors of the difference of two corners of a triangle: of each coordinate, and of its length.
@@ -208,7 +225,7 @@ LIMBER_KERNEL unsigned separated_at_corner(const SharedCorners& shared, const Pa
   const Packet3 at_b = select(shared.b[0], b[0], select(shared.b[1], b[1], b[2]));
   const Packet3 p[3] = {a[0] - at_a, a[1] - at_a, a[2] - at_a}, q[3] = {b[0] - at_b, b[1] - at_b, b[2] - at_b};
   const Packet3 m = (q[0] + q[1] + q[2]) - (p[0] + p[1] + p[2]);
-  const Packet far = Packet::set(far_off);
+  const Packet far = Packet::set(far_off);  // the shared corner is on the plane, and does not count
   Packet nearest_a = far, nearest_b = far;
   for (int k = 0; k < 3; ++k) {
     nearest_a = min(nearest_a, select(shared.a[k], far, zero() - dot(m, p[k])));
@@ -218,13 +235,14 @@ LIMBER_KERNEL unsigned separated_at_corner(const SharedCorners& shared, const Pa
   return bits((nearest_a > sum * error_a.coordinate) & (nearest_b > sum * error_b.coordinate));
 }
 
-/// Inner products of three vectors.
+/// Inner products of an edge e, and of vectors p and q to another corner of either triangle.
 struct EdgeProducts {
   Packet ee, ep, eq, pq, pp, qq;
 };
 
-/// Whether (e x p) . (e x q) is certainly negative: p and q are on different sides of the plane along e that is
-/// perpendicular to the plane of e and p (docs/algorithms/intersection.md).
+/// Where (e x p) . (e x q) is certainly negative: p and q are on different sides of the plane along e that is
+/// perpendicular to the plane of e and p (docs/algorithms/intersection.md). p and q may start at either end of e, as
+/// their parts along e do not count.
 LIMBER_KERNEL Mask edge_plane_separates(const EdgeProducts& d, Packet error_e, Packet error_p, Packet error_q) {
   const Packet across = d.ee * d.pq - d.ep * d.eq;
   const Packet e = sqrt(d.ee), p = sqrt(d.pp), q = sqrt(d.qq), most_e = e + error_e;
@@ -238,7 +256,7 @@ LIMBER_KERNEL Mask edge_plane_separates(const EdgeProducts& d, Packet error_e, P
 /// Lanes in which a plane through the shared edge separates the triangles.
 LIMBER_KERNEL unsigned separated_at_edge(const SharedCorners& shared, const Packet3 (&a)[3], const Packet3 (&b)[3],
                                          const CornerError& error_a, const CornerError& error_b) {
-  // The corner of a that is not shared, and those of the edge.
+  // The corner of a that is not shared, and the ends v and w of the edge; q starts at either of them.
   const Packet3 apex_a = select(shared.a[0], select(shared.a[1], a[2], a[1]), a[0]);
   const Packet3 v = select(shared.a[0], a[0], a[1]);
   const Packet3 w = select(shared.a[0], select(shared.a[1], a[1], a[2]), a[2]);
@@ -249,7 +267,7 @@ LIMBER_KERNEL unsigned separated_at_edge(const SharedCorners& shared, const Pack
 }
 
 /// Lanes in which a plane through an edge of `a` at the one shared corner, perpendicular to `a`, separates the
-/// triangles: b is beyond it.
+/// triangles: both other corners of b, q1 and q2, are beyond it, seen from the other edge of `a`.
 LIMBER_KERNEL unsigned separated_along_edges(const Mask (&shared_a)[3], const Packet3 (&a)[3], Packet error_a,
                                              const Mask (&shared_b)[3], const Packet3 (&b)[3], Packet error_b) {
   const Packet3 at_a = select(shared_a[0], a[0], select(shared_a[1], a[1], a[2]));
@@ -266,24 +284,25 @@ LIMBER_KERNEL unsigned separated_along_edges(const Mask (&shared_a)[3], const Pa
 /// Lanes in which a plane separates the triangles beyond the corner or the edge that they share.
 LIMBER_KERNEL unsigned separated_by_plane(const SharedCorners& shared, const Packet3 (&a)[3], const Packet3 (&b)[3],
                                           const CornerError& error_a, const CornerError& error_b) {
-  unsigned apart = 0;
-  if (shared.one != 0) {
-    apart |= shared.one & separated_at_corner(shared, a, b, error_a, error_b);
-    if ((shared.one & ~apart) != 0) {
-      apart |= shared.one & (separated_along_edges(shared.a, a, error_a.length, shared.b, b, error_b.length) |
-                             separated_along_edges(shared.b, b, error_b.length, shared.a, a, error_a.length));
+  unsigned apart_lanes = 0;
+  if (shared.one_lanes != 0) {
+    apart_lanes |= shared.one_lanes & separated_at_corner(shared, a, b, error_a, error_b);
+    if ((shared.one_lanes & ~apart_lanes) != 0) {
+      apart_lanes |=
+          shared.one_lanes & (separated_along_edges(shared.a, a, error_a.length, shared.b, b, error_b.length) |
+                              separated_along_edges(shared.b, b, error_b.length, shared.a, a, error_a.length));
     }
   }
-  if (shared.two != 0) apart |= shared.two & separated_at_edge(shared, a, b, error_a, error_b);
-  return apart;
+  if (shared.two_lanes != 0) apart_lanes |= shared.two_lanes & separated_at_edge(shared, a, b, error_a, error_b);
+  return apart_lanes;
 }
 
 /// Removes those pairs from a list that share one vertex or one edge and certainly have nothing else in common. Those
-/// that share vertices and are kept go to its end. `axis` are two axes that triangles are looked at in.
-LIMBER_KERNEL void remove_separated_neighbors(const LeafOfMesh& a, const LeafOfMesh& b, const int (&axis)[2],
+/// that share vertices and are kept go to its end. Lines are tried in the plane of two axes: any two are right.
+LIMBER_KERNEL void remove_separated_neighbors(const SelfLeaf& a, const SelfLeaf& b, const int (&axes)[2],
                                               PairList& pairs) {
   // Coordinates of differences are at most twice the extent.
-  const auto error_of = [](const LeafOfMesh& p, const LeafOfMesh& q) {
+  const auto error_of = [](const SelfLeaf& p, const SelfLeaf& q) {
     const float crossed = 4 * (p.extent * q.error + q.extent * p.error) + 2 * p.error * q.error;
     const float rounding = base::sector_rounding_error * p.extent * q.extent;
     return Packet::set((crossed + rounding) * base::squares_up);
@@ -296,33 +315,32 @@ LIMBER_KERNEL void remove_separated_neighbors(const LeafOfMesh& a, const LeafOfM
     const unsigned lanes = pairs.lanes_at(i);
     const Slots in_a = Slots::first_of(pairs.pair + i), in_b = Slots::second_of(pairs.pair + i);
     const SharedCorners shared = shared_corners(a, in_a, b, in_b);
-    const unsigned are_neighbors = shared.one | shared.two;
-    unsigned apart = 0;
-    if ((are_neighbors & lanes) != 0) {
-      apart = separated_along_axis(shared, Sector(shared.a, a.corners, in_a, axis),
-                                   Sector(shared.b, b.corners, in_b, axis), errors);
+    const unsigned neighbor_lanes = shared.one_lanes | shared.two_lanes;
+    unsigned apart_lanes = 0;
+    if ((neighbor_lanes & lanes) != 0) {
+      apart_lanes = separated_by_line(shared, Sector(shared.a, a.positions, in_a, axes),
+                                      Sector(shared.b, b.positions, in_b, axes), errors);
     }
-    open.add(pairs, i, lanes & are_neighbors & ~apart);
+    open.add(pairs, i, lanes & neighbor_lanes & ~apart_lanes);
     // In place: as many have been read.
-    for (unsigned rest = lanes & ~are_neighbors; rest != 0; rest &= rest - 1) {
+    for (unsigned rest = lanes & ~neighbor_lanes; rest != 0; rest &= rest - 1) {
       pairs.pair[kept++] = pairs.pair[i + static_cast<std::uint32_t>(std::countr_zero(rest))];
     }
   }
   pairs.count = kept;
   if (open.count == 0) return;
-  const auto corner_error = [](const LeafOfMesh& leaf) {
-    return CornerError{Packet::set(leaf.error), Packet::set(leaf.error * base::root_of_3)};
+  const auto corner_error = [](const SelfLeaf& leaf) {
+    constexpr float root_of_3 = 1.7321F;  // rounded up
+    return CornerError{Packet::set(leaf.error), Packet::set(leaf.error * root_of_3)};
   };
   const CornerError error_a = corner_error(a), error_b = corner_error(b);
   open.fill_last_packet();
   for (std::uint32_t i = 0; i < open.count; i += Packet::lanes) {
     const Slots in_a = Slots::first_of(open.pair + i), in_b = Slots::second_of(open.pair + i);
-    const Packet3 corners_a[3] = {corners(a.corners, 0, in_a), corners(a.corners, 1, in_a),
-                                  corners(a.corners, 2, in_a)};
-    const Packet3 corners_b[3] = {corners(b.corners, 0, in_b), corners(b.corners, 1, in_b),
-                                  corners(b.corners, 2, in_b)};
-    const unsigned apart = separated_by_plane(shared_corners(a, in_a, b, in_b), corners_a, corners_b, error_a, error_b);
-    pairs.add(open, i, open.lanes_at(i) & ~apart);
+    const Packet3 p[3] = {corners(a.positions, 0, in_a), corners(a.positions, 1, in_a), corners(a.positions, 2, in_a)};
+    const Packet3 q[3] = {corners(b.positions, 0, in_b), corners(b.positions, 1, in_b), corners(b.positions, 2, in_b)};
+    const unsigned apart_lanes = separated_by_plane(shared_corners(a, in_a, b, in_b), p, q, error_a, error_b);
+    pairs.add(open, i, open.lanes_at(i) & ~apart_lanes);
   }
 }
 

@@ -8,23 +8,25 @@
 #include "limber/base.h"
 #include "limber/math.h"
 
-/// Memory layout of the hierarchy, an 8-wide BVH: nodes and leaves as structures of arrays in float32.
+/// Memory layout of 8-wide trees, as structures of arrays: the hierarchy of a mesh; the bounds of one that moves, over
+/// the same hierarchy; trees of boxes.
 ///
-/// Unit     Lengths are multiples of Tree::unit, a power of two, unless a comment says otherwise. Positions are
-///          relative to a local origin, so float32 resolves them wherever the mesh lies.
+/// Unit     Float32 numbers of the hierarchy are multiples of Tree::unit, a power of two. They are relative to a place
+///          nearby, so float32 resolves them wherever the mesh lies. Float64 numbers are in the mesh's length unit.
 namespace limber::bvh {
 
 /// Child slots of a node, and triangle slots of a leaf.
 inline constexpr std::uint32_t width = 8;
 
-/// A mask of pairs of slots, in which bit 8 k + i stands for slots k and i: the pairs whose second slot is after the
+/// A mask of pairs of slots: bit 8 k + i stands for slots k and i. Set are the pairs whose second slot is after the
 /// first, so that a node or leaf is compared with itself without repeats.
 inline constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
 
 /// Bounding volumes of the children of a node, one child slot each. A volume is the intersection of a sphere, an
-/// axis-aligned box in the model frame and a slab, all about one center. Numbers are rounded outward.
+/// axis-aligned box in the model frame and a slab, all about one center. Numbers are rounded outward. Slots without a
+/// child hold numbers that mean nothing.
 struct alignas(64) ChildBounds {
-  float center_x[width], center_y[width], center_z[width];  // 96 bytes
+  float center_x[width], center_y[width], center_z[width];  // 96 bytes   relative to Node::origin
   float radius[width];                                      // 32   of the sphere
   float half_x[width], half_y[width], half_z[width];        // 96   half extents of the box
   float normal_x[width], normal_y[width], normal_z[width];  // 96   of the slab, length 1 up to rounding
@@ -32,8 +34,9 @@ struct alignas(64) ChildBounds {
 };
 static_assert(sizeof(ChildBounds) == 12 * 4 * width);
 
-/// Corners of the triangles of a leaf as fractions of the radius of its sphere: p = center + radius * q /
-/// max_quantized, each coordinate to within half a step. corner[3 * k + axis] holds coordinate `axis` of corner k.
+/// Corners of the triangles of a leaf as fractions of the radius of its sphere: p = center + q * step, where step is
+/// radius / max_quantized. A coordinate is off by at most 0.52 steps: half a step, and float32 (invariant I5 of
+/// bvh/tree.h). corner[3 * k + axis] holds coordinate `axis` of corner k.
 struct alignas(16) QuantizedTriangles {
   std::int16_t corner[9][width];  // 144 bytes
 };
@@ -42,23 +45,23 @@ inline constexpr float max_quantized = 32767;
 
 /// A node with up to `width` children.
 struct alignas(64) Node {
-  ChildBounds bounds;              // 384 bytes   relative to origin
-  Vec3 origin;                     //  24         model frame, in the mesh's length unit
+  ChildBounds bounds;              // 384 bytes
+  Vec3 origin;                     //  24         model frame, float64
   float radius;                    //   4         of a sphere about the origin that holds the spheres of all children
-  std::uint32_t first_child;       //   4         node, or leaf on the lowest level, in slot 0; slot k: the k-th after
+  std::uint32_t first_child;       //   4         slot k holds node first_child + k; on the lowest level that leaf
   std::uint32_t child_count;       //   4         slots in use, the first ones
-  std::uint32_t parent;            //   4         slot whose child this is; 0 for the header
+  std::uint32_t parent;            //   4         slot whose child this is, 8 * node + slot; the header, node 0, has 0
   std::uint32_t coincident_slots;  //   4         bit mask: slots below which all triangles have equal corners, in order
 };
 static_assert(sizeof(Node) == 448);
 
-/// Up to `width` triangles; slots beyond them repeat the last one.
+/// Up to `width` triangles in ascending order; slots beyond them repeat the last one.
 struct Leaf {
   QuantizedTriangles corners;               // 144 bytes   about the center of the leaf's slot
   TriangleId triangle[width];               //  32
   std::array<VertexId, 3> vertices[width];  //  96         of the triangles
 
-  /// Whether a slot holds a triangle of its own.
+  /// Whether a slot holds a triangle of its own: none that is repeated.
   bool is_in_use(std::size_t slot) const { return slot == 0 || triangle[slot] != triangle[slot - 1]; }
 };
 static_assert(sizeof(Leaf) == 272);
@@ -69,13 +72,12 @@ struct MergedBounds {
   float radius, half[3], normal[3], low, high;
 };
 
-/// Memory layout of the bounds of a moving model: one node for each node of its tree, one leaf for each leaf. All is
-/// stored twice, for the start and for the end of the motion; in between it is interpolated linearly, as vertices are.
+// --- bounds of a moving model: one MovingNode for each node of its tree, one MovingLeaf for each leaf ---
 
-/// Start and end of a motion.
+/// Start and end of a motion. Bounds are stored for both; in between they are interpolated linearly, as vertices are.
 inline constexpr std::uint32_t motion_ends = 2;
 
-/// A box, along the axes of the world, at both ends: [end][axis]. In the mesh's length unit, without rounding.
+/// A box, along the axes of the world, at both ends: [end][axis]. In float64, without rounding.
 struct MovingBox {
   double low[motion_ends][3], high[motion_ends][3];
 };
@@ -101,10 +103,12 @@ static_assert(sizeof(MovingNode) == 768);
 /// in size.
 struct alignas(64) MovingLeaf {
   float corner[motion_ends][9][width];  // 576 bytes   [end][3 * corner + axis][slot]
-  double center[motion_ends][3];        //  48         world, in the mesh's length unit
+  double center[motion_ends][3];        //  48         world
   double unit[motion_ends];             //  16         the length that 1 stands for
 };
 static_assert(sizeof(MovingLeaf) == 640);
+
+// --- trees of boxes ---
 
 /// Up to `width` boxes along the axes, as a structure of arrays in float64. Slots beyond them are empty: low is
 /// +infinity, high -infinity.

@@ -19,6 +19,7 @@ using bvh::width;
 /// Two leaves of one tree that is compared with itself; both may be the same leaf.
 struct SelfPair {
   const bvh::Leaf &a, &b;
+  bool is_one_leaf() const { return &a == &b; }
 };
 
 /// The elements that the triangles of a leaf own: those that they represent (Access::represented_by()). A byte for
