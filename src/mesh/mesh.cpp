@@ -238,16 +238,17 @@ Weld weld(std::span<const Vec3> positions) {
     const Vec3 &p = positions[a], &q = positions[b];
     return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
   });
-  std::vector<VertexId> first_of(positions.size());  // the first vertex at the same position
+  std::vector<VertexId> before(
+      positions.size());  // the vertex before it at the same position; itself if it is the first
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool is_new = i == 0 || positions[order[i]] != positions[order[i - 1]];
-    first_of[order[i]] = is_new ? order[i] : first_of[order[i - 1]];
+    const bool is_first = i == 0 || positions[order[i]] != positions[order[i - 1]];
+    before[order[i]] = is_first ? order[i] : order[i - 1];
   }
   Weld result;
   result.welded_of.resize(positions.size());
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    const bool is_first = first_of[v] == v;
-    result.welded_of[v] = is_first ? static_cast<VertexId>(result.first_of.size()) : result.welded_of[first_of[v]];
+    const bool is_first = before[v] == v;
+    result.welded_of[v] = is_first ? static_cast<VertexId>(result.first_of.size()) : result.welded_of[before[v]];
     if (is_first) result.first_of.push_back(static_cast<VertexId>(v));
   }
   return result;
