@@ -9,13 +9,8 @@
 
 namespace limber::geometry {
 
-// Signs of determinants without any rounding: what the predicates fall back on when their filter cannot decide.
-
-/// Sign of the determinant with rows b - a, c - a, d - a.
+/// Sign of the determinant with rows b - a, c - a, d - a, without any rounding: for where a filter cannot decide.
 int exact_volume_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-
-/// Sign of (bx - ax) (cy - ay) - (by - ay) (cx - ax).
-int exact_area_sign(double ax, double ay, double bx, double by, double cx, double cy);
 
 /// On which side of the plane through three points others are; what depends on the three alone is computed once.
 ///

@@ -1,14 +1,21 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+// The contact of two triangles: closest features, a normal from a to b, and how deep they are in each other.
+//
+// 1. features_and_direction() finds the closest features; of pairs that cross beyond doubt the kernel find_crossings().
+// 2. Apart: the normal is the line of the closest points. If rounding turns it, normal_of_a_small_gap() finds the
+//    direction along which the triangles leave the largest gap.
+// 3. Intersecting: separate() finds the axis along which they overlap least, and that overlap, the depth. The kernel
+//    find_least_overlaps() does so for ordinary triangles, LeastOverlap for all others.
+// 4. Where faces have an outside, intersecting ones get the normal out_of_a(), between both face normals. For others
+//    side_of() says how the normal lies to the outsides.
+//
 // Based on  the separating axes of two triangles, [Ericson2005] 5.2.1: two face normals and nine cross products of
-//           edges. The difference of two triangles is a polytope whose faces have these normals, so the least overlap
-//           along them is the shortest motion that parts the two.
-// Differs   Every axis is a candidate, however badly conditioned: the overlap along any direction parts the triangles,
-//           so a wrong direction costs some depth, never the promise. If all axes are badly conditioned, everything is
-//           nearly collinear, and perpendiculars of the longest edge are tried too. Triangles are put in an order that
-//           does not depend on which is a, so that swapping them negates the normal to the bit. Triangles of bodies
-//           are parted along the direction between their face normals, which tells outside from inside.
+//           edges. The least overlap along them is the shortest motion that parts the two.
+// Differs   Every axis is a candidate, however badly conditioned: a wrong one costs some depth, never the promise.
+//           docs/algorithms/triangle_distance.md says more. Triangles are put in an order that does not depend on which
+//           is a, so that swapping them negates the normal to the bit.
 #include "geometry/triangle_contact.h"
 
 #include <algorithm>
@@ -25,11 +32,13 @@
 namespace limber {
 namespace {
 
-using geometry::LocalFrame;
 using geometry::near_unit;
 using geometry::next_corner;
 
-/// The direction of a vector, of length 1, with one rounding less than unit(). Pre: as near_unit().
+// A cross product of edges of a smaller sine than 2^-30 has lost half of its digits.
+constexpr double least_sine_sq = 0x1p-60;
+
+/// The direction of a vector, of length 1. It divides: the inverse in unit() rounds once more. Pre: as near_unit().
 Vec3 normalized(const Vec3& v) {
   const Vec3 w = near_unit(v);
   const double w_length = length(w);
@@ -54,63 +63,68 @@ Vec3 across(const Vec3& v, const Vec3& e) { return v - e * (dot(v, e) / length_s
 ///
 /// The cross product of two nearly parallel vectors of sine s is off by the roundoff over s, as a part of its length.
 /// What is off along e is taken out. The rest is across e and thus nearly across f: along f it is off by s times that.
-Vec3 perpendicular(const Vec3& e, const Vec3& f) {
+Vec3 common_perpendicular(const Vec3& e, const Vec3& f) {
+  constexpr double accurate_sq = 0x1p-4;  // then the sine is above 1 / 48, as both lengths are below 2 sqrt(3)
   const Vec3 n = cross(e, f);
   const double n_sq = length_sq(n);
-  return n_sq < 0x1p-4 && n_sq > 0 ? across(n, e) : n;
+  return n_sq < accurate_sq && n_sq > 0 ? across(n, e) : n;
 }
 
 /// A normal of a triangle from the pair of edges that gives the most accurate one.
 Vec3 normal_of(const std::array<Vec3, 3>& edge) {
   Vec3 best;
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 n = perpendicular(edge[i], edge[next_corner[i]]);
+    const Vec3 n = common_perpendicular(edge[i], edge[next_corner[i]]);
     if (max_abs(n) > max_abs(best)) best = n;
   }
   return best;
 }
 
-/// A vector perpendicular to v, which is near unit length.
-Vec3 perpendicular(const Vec3& v) {
-  const Vec3 size = abs(v);
-  if (size.x <= size.y && size.x <= size.z) return {0, v.z, -v.y};
-  return size.y <= size.z ? Vec3{-v.z, 0, v.x} : Vec3{v.y, -v.x, 0};
+/// Whether a comes first in the order of two triangles: lexicographic, by corners.
+bool comes_first(const Triangle& a, const Triangle& b) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (a[i] != b[i]) return geometry::lexicographically_less(a[i], b[i]);
+  }
+  return true;
 }
 
-/// Two triangles near the origin.
-class LocalPair {
- public:
-  LocalPair(const Triangle& first, const Triangle& second)
-      : frame_(first.v0, {first.v1, first.v2, second.v0, second.v1, second.v2}),
-        first_(frame_.to_local(first)),
-        second_(frame_.to_local(second)) {}
+/// Two triangles in their order, as given, and moved near the origin.
+struct OrderedPair {
+  bool is_a_first;
+  const Triangle &given_first, &given_second;
+  geometry::LocalFrame frame;
+  Triangle first, second;
 
-  const Triangle& first() const { return first_; }
-  const Triangle& second() const { return second_; }
-  double extent() const { return frame_.length_from_local(frame_.extent()); }
+  OrderedPair(const Triangle& a, const Triangle& b)
+      : is_a_first(comes_first(a, b)),
+        given_first(is_a_first ? a : b),
+        given_second(is_a_first ? b : a),
+        frame(given_first.v0, {given_first.v1, given_first.v2, given_second.v0, given_second.v1, given_second.v2}),
+        first(frame.to_local(given_first)),
+        second(frame.to_local(given_second)) {}
+
+  /// A direction from a to b, given from the first to the second.
+  Vec3 from_a_to_b(const Vec3& direction) const { return is_a_first ? direction : -direction; }
 
   /// At least the overlap along the normal n from the first to the second, in exact arithmetic.
   ///
   /// With u = 2^-53 and S the largest sum of |n_k p_k|: a coordinate p_k is off by u of itself, a dot product by 3 u S
-  /// more, so the overlap by 8 u S. Rounding the overlap, and n . n, which is 1 up to 8 u, add relative errors.
+  /// more, so the overlap by 8 u S; 9 makes up for the rounding of S. Rounding the overlap, and n . n, which is 1 up to
+  /// 8 u, add relative errors: together less than 2^-49 = 16 u.
   double depth(const Vec3& n) const {
     double high = -std::numeric_limits<double>::infinity(), low = -high, sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      high = std::max(high, dot(n, first_[i]));
-      low = std::min(low, dot(n, second_[i]));
-      sum = std::max({sum, dot(abs(n), abs(first_[i])), dot(abs(n), abs(second_[i]))});
+      high = std::max(high, dot(n, first[i]));
+      low = std::min(low, dot(n, second[i]));
+      sum = std::max({sum, dot(abs(n), abs(first[i])), dot(abs(n), abs(second[i]))});
     }
-    return frame_.length_from_local(std::max(0.0, (high - low) + 9 * 0x1p-53 * sum) * (1 + 0x1p-49));
+    return frame.length_from_local(std::max(0.0, (high - low) + 9 * 0x1p-53 * sum) * (1 + 0x1p-49));
   }
-
- private:
-  LocalFrame frame_;
-  Triangle first_, second_;
 };
 
-/// A triangle, and the directions of its edges and its normal, each near unit length, or 0.
+/// A triangle near the origin, and the directions of its edges and its normal, each near unit length, or 0.
 struct Axes {
-  Triangle corner;  ///< near the origin
+  Triangle corner;
   std::array<Vec3, 3> edge;
   Vec3 normal;
 
@@ -124,11 +138,12 @@ struct Axes {
 /// A triangle that an axis separates from the other overlaps less than 0; `intersect` says that this would be rounding.
 class LeastOverlap {
  public:
-  LeastOverlap(const LocalPair& pair, const Triangle& first, const Triangle& second, bool intersect)
-      : first_(pair.first(), first), second_(pair.second(), second), intersect_(intersect) {
-    consider(first_.normal), consider(second_.normal);
+  LeastOverlap(const OrderedPair& pair, bool intersect)
+      : first_(pair.first, pair.given_first), second_(pair.second, pair.given_second), intersect_(intersect) {
+    consider(first_.normal);
+    consider(second_.normal);
     for (const Vec3& e : first_.edge) {
-      for (const Vec3& f : second_.edge) consider(perpendicular(e, f));
+      for (const Vec3& f : second_.edge) consider(common_perpendicular(e, f));
     }
     if (!is_well_conditioned_) consider_across_longest_edge();
   }
@@ -165,17 +180,21 @@ class LeastOverlap {
     }
     if (max_abs(longest) == 0) longest = {1, 0, 0};
     longest = near_unit(longest);
-    const Vec3 sideways = perpendicular(longest);
+    // A perpendicular without the rounding of perpendicular_to(): any length will do.
+    const Vec3 size = abs(longest);
+    const Vec3 sideways = size.x <= size.y && size.x <= size.z ? Vec3{0, longest.z, -longest.y}
+                          : size.y <= size.z                   ? Vec3{-longest.z, 0, longest.x}
+                                                               : Vec3{longest.y, -longest.x, 0};
     consider(sideways);
     consider(cross(longest, sideways));
   }
 
   /// Takes the axis if the triangles overlap less along it than along those before; an axis of 0 is none.
   void consider(Vec3 axis) {
+    constexpr double unscaled_sq = 0x1p-200;  // a choice: in shorter axes products of coordinates may lose digits
     double axis_sq = length_sq(axis);
-    // Below an angle of 2^-30 a cross product has lost half of its digits.
-    if (axis_sq > 0x1p-60) is_well_conditioned_ = true;
-    if (!(axis_sq > 0x1p-200)) {
+    if (axis_sq > least_sine_sq) is_well_conditioned_ = true;
+    if (!(axis_sq > unscaled_sq)) {
       if (max_abs(axis) == 0) return;
       axis = near_unit(axis);
       axis_sq = length_sq(axis);
@@ -201,10 +220,12 @@ class LeastOverlap {
 Vec3 outside_of(const Triangle& t) {
   const Vec3 e = t.v1 - t.v0, f = t.v2 - t.v0, n = cross(e, f);
   const double n_sq = length_sq(n), edges_sq = length_sq(e) * length_sq(f);
-  // Nearly always the first two edges are good enough.
-  if (n_sq > 0x1p-20 * edges_sq && edges_sq > 0x1p-400 && n_sq < 0x1p400) return n;
+  // Nearly always the first two edges are good enough: their sine is above 2^-10, so that rounding takes a fifth of the
+  // digits, and products of two such squares neither overflow nor vanish.
+  constexpr double good_sine_sq = 0x1p-20, smallest_sq = 0x1p-400, largest_sq = 0x1p400;
+  if (n_sq > good_sine_sq * edges_sq && edges_sq > smallest_sq && n_sq < largest_sq) return n;
   const Vec3 careful = normal_of(directions_of_edges(t));
-  return length_sq(careful) > 0x1p-60 ? careful : Vec3{};
+  return length_sq(careful) > least_sine_sq ? careful : Vec3{};
 }
 
 /// A vector of length 1, or 0 for 0. Pre: its square neither overflows nor vanishes.
@@ -214,25 +235,22 @@ Vec3 unit_or_none(const Vec3& v) {
   return v_sq > 0 ? v * (1 / std::sqrt(v_sq)) : Vec3{};
 }
 
-double longest_edge_sq(const Triangle& t) {
-  return std::max({length_sq(t.v1 - t.v0), length_sq(t.v2 - t.v1), length_sq(t.v0 - t.v2)});
-}
-
-/// How far a triangle reaches behind another one of unit normal n: from next to 0, which is rounding, to 1, no longer
-/// shallow.
-double reach(const Vec3& n, const Triangle& plane, const Triangle& other, double shallow_sq) {
+/// The fourth power of how far a triangle reaches behind the plane of another one of unit normal n, as a part of the
+/// depth that is no longer shallow; 1 beyond. Half as far counts a sixteenth, so that a face that is hardly reached
+/// through has hardly any say. It is never 0, so that two can be compared: 2^-160 is for 2^-40 of the depth, rounding.
+double weight_of_reach(const Vec3& n, const Triangle& plane, const Triangle& other, double shallow_sq) {
   const double behind = std::max({dot(n, plane.v0), dot(n, plane.v1), dot(n, plane.v2)}) -
                         std::min({dot(n, other.v0), dot(n, other.v1), dot(n, other.v2)});
-  const double part = std::clamp(behind * std::max(behind, 0.0) / shallow_sq, 0x1p-80, 1.0);
-  return part * part;
+  const double part_sq = std::clamp(behind * std::max(behind, 0.0) / shallow_sq, 0x1p-80, 1.0);
+  return part_sq * part_sq;
 }
 
-/// A direction from a to b that is out of a and into b; 0 if there is none. `local` is a and b near the origin.
+/// A direction from a to b that is out of a and into b; 0 if there is none.
 ///
-/// The normal of a face counts as much as the other face is reached through, but at least so much that the direction
-/// does not lead back through it. A face without an outside turns to the other as far as it faces it, so that nothing
-/// jumps where they are at right angles.
-Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented, const std::array<Triangle, 2>& local) {
+/// Each normal is weighted by how far the other triangle is reached through its face, but at least so much that the
+/// direction does not lead back through the face itself. A face without an outside turns to the other as far as it
+/// faces it, so that nothing jumps where they are at right angles.
+Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented, const OrderedPair& pair) {
   const Vec3 outside_a = outside_of(a), outside_b = outside_of(b);
   const double along = dot(outside_a, outside_b);
   // Faces that look the same way within 30 degrees: the difference of their normals lies along both of them, and parts
@@ -245,33 +263,32 @@ Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented, cons
   if (oriented == OrientedFaces::of_a) return n_a + dot(n_a, n_b) * n_b;
   if (oriented == OrientedFaces::of_b) return -(n_b + dot(n_a, n_b) * n_a);
   if (max_abs(n_a) == 0 || max_abs(n_b) == 0) return n_a - n_b;
-  const double size_sq = std::max(std::min(longest_edge_sq(local[0]), longest_edge_sq(local[1])), 0x1p-1000);
-  const double of_a = reach(n_b, local[1], local[0], simd::shallow_part_sq * size_sq);
-  const double of_b = reach(n_a, local[0], local[1], simd::shallow_part_sq * size_sq);
+  const Triangle& local_a = pair.is_a_first ? pair.first : pair.second;
+  const Triangle& local_b = pair.is_a_first ? pair.second : pair.first;
+  const auto longest_edge_sq = [](const Triangle& t) {
+    return std::max({length_sq(t.v1 - t.v0), length_sq(t.v2 - t.v1), length_sq(t.v0 - t.v2)});
+  };
+  constexpr double not_zero = 0x1p-1000;  // as squares of tiny edges vanish
+  const double size_sq = std::max(std::min(longest_edge_sq(local_a), longest_edge_sq(local_b)), not_zero);
+  const double of_a = weight_of_reach(n_b, local_b, local_a, simd::shallow_part_sq * size_sq);
+  const double of_b = weight_of_reach(n_a, local_a, local_b, simd::shallow_part_sq * size_sq);
   return std::max(of_a, dot(n_a, n_b) * of_b) * n_a - std::max(of_b, dot(n_a, n_b) * of_a) * n_b;
 }
 
 /// How the normal from a to b, which are apart, lies to their outsides.
 NormalSide side_of(const Vec3& normal, const Triangle& a, const Triangle& b, OrientedFaces oriented) {
   if (oriented == OrientedFaces::none) return NormalSide::unknown;
-  const Vec3 out_of_a = oriented == OrientedFaces::of_b ? Vec3{} : outside_of(a);
-  const Vec3 into_b = oriented == OrientedFaces::of_a ? Vec3{} : -outside_of(b);
-  const double out_of_a_sq = length_sq(out_of_a), into_b_sq = length_sq(into_b);
-  if (out_of_a_sq + into_b_sq == 0) return NormalSide::unknown;
+  const Vec3 outside_a = oriented == OrientedFaces::of_b ? Vec3{} : outside_of(a);
+  const Vec3 inside_b = oriented == OrientedFaces::of_a ? Vec3{} : -outside_of(b);
+  const double outside_a_sq = length_sq(outside_a), inside_b_sq = length_sq(inside_b);
+  if (outside_a_sq + inside_b_sq == 0) return NormalSide::unknown;
   // Squares with a sign, and no branches: between neighbors on one surface nothing could predict them.
-  constexpr double rounding = 0x1p-20;  // of a normal that lies in a face
-  const double ahead_of_a = dot(normal, out_of_a), ahead_of_b = dot(normal, into_b);
-  const bool is_behind_a = ahead_of_a * std::abs(ahead_of_a) < -rounding * rounding * out_of_a_sq;
-  const bool is_behind_b = ahead_of_b * std::abs(ahead_of_b) < -rounding * rounding * into_b_sq;
+  constexpr double rounding = 0x1p-20;  // sine of the angle by which rounding may turn a normal out of a face; a choice
+  const double ahead_of_a = dot(normal, outside_a), ahead_of_b = dot(normal, inside_b);
+  const bool is_behind_a = ahead_of_a * std::abs(ahead_of_a) < -rounding * rounding * outside_a_sq;
+  const bool is_behind_b = ahead_of_b * std::abs(ahead_of_b) < -rounding * rounding * inside_b_sq;
   return (static_cast<int>(is_behind_a) | static_cast<int>(is_behind_b)) != 0 ? NormalSide::inward
                                                                               : NormalSide::outward;
-}
-
-bool comes_first(const Triangle& a, const Triangle& b) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (a[i] != b[i]) return geometry::lexicographically_less(a[i], b[i]);
-  }
-  return true;
 }
 
 /// Whether a triangle has corners on both sides of the plane of another, but for rounding.
@@ -281,68 +298,46 @@ bool seems_to_straddle(const Triangle& t, const Triangle& plane) {
   return std::min(std::min(h0, h1), h2) < 0 && std::max(std::max(h0, h1), h2) > 0;
 }
 
-/// Normal, side and depth of triangles that intersect.
-void part(const Triangle& a, const Triangle& b, OrientedFaces oriented, TriangleContact& contact) {
-  const bool in_order = comes_first(a, b);
-  const Triangle &first = in_order ? a : b, &second = in_order ? b : a;
-  const LocalPair pair(first, second);
-  const Vec3 normal = LeastOverlap(pair, first, second, true).normal();
-  contact.normal = in_order ? normal : -normal;
+/// Sets the normal, side and depth of triangles that intersect.
+void separate(const Triangle& a, const Triangle& b, OrientedFaces oriented, TriangleContact& contact) {
+  const OrderedPair pair(a, b);
+  const Vec3 normal = LeastOverlap(pair, true).normal();
+  contact.normal = pair.from_a_to_b(normal);
   contact.depth = pair.depth(normal);
   LIMBER_ASSERT(contact.depth >= 0);
   if (oriented == OrientedFaces::none) return;
-  const Triangle &local_a = in_order ? pair.first() : pair.second(), &local_b = in_order ? pair.second() : pair.first();
-  const Vec3 way = out_of_a(a, b, oriented, {local_a, local_b});
-  if (max_abs(way) == 0) return;
-  contact.normal = normalized(way);
+  const Vec3 outward = out_of_a(a, b, oriented, pair);
+  if (max_abs(outward) == 0) return;
+  // The depth stays the least overlap, which is along another direction (limber/geometry.h).
+  contact.normal = normalized(outward);
   contact.normal_side = NormalSide::outward;
 }
 
-/// The normal of triangles that are so close that rounding turns the line of the closest points.
-///
-/// The plane perpendicular to it leaves the largest gap of all planes between the triangles.
+/// The normal of triangles that are so close that rounding turns the line of the closest points: the direction along
+/// which they leave the largest gap.
 Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, double distance) {
-  const bool in_order = comes_first(a, b);
-  const Triangle &first = in_order ? a : b, &second = in_order ? b : a;
-  const LocalPair pair(first, second);
-  LeastOverlap least(pair, first, second, false);
-  const double longest = 2 * (distance + 0x1p-48 * pair.extent());
+  constexpr double rounding = 0x1p-48;  // of distances, as a part of the extent: they promise 2^-50
+  const OrderedPair pair(a, b);
+  LeastOverlap least(pair, false);
+  // What is longer is not the gap; 2 is a choice.
+  const double longest = 2 * (distance + rounding * pair.frame.length_from_local(pair.frame.extent()));
   for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) least.consider_corners(second[j] - first[i], i, j, longest);
+    for (std::size_t j = 0; j < 3; ++j) {
+      least.consider_corners(pair.given_second[j] - pair.given_first[i], i, j, longest);
+    }
   }
-  const Vec3 normal = least.normal();
-  return in_order ? normal : -normal;
+  return pair.from_a_to_b(least.normal());
 }
 
 }  // namespace
 
-void geometry::ContactBatch::clear() {
-  size_ = 0;
-  crossings_.are_certain = 0;
-  has_overlaps_ = false;
-}
-
-void geometry::ContactBatch::add(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
-  LIMBER_ASSERT(size_ < room && !has_overlaps_);
-  for (std::size_t k = 0; k < 3; ++k) pairs_.a[k][size_] = a[k], pairs_.b[k][size_] = b[k];
-  pairs_.has_outside_a[size_] = oriented == OrientedFaces::both || oriented == OrientedFaces::of_a ? 1 : 0;
-  pairs_.has_outside_b[size_] = oriented == OrientedFaces::both || oriented == OrientedFaces::of_b ? 1 : 0;
-  ++size_;
-}
-
 void geometry::ContactBatch::find_crossings() {
-  for (std::uint32_t i = 0; i < size_; ++i) {
+  bool may_cross = false;  // some pair
+  for (std::uint32_t i = 0; i < size_ && !may_cross; ++i) {
     const Triangle t = a(i), u = b(i);
-    if (seems_to_straddle(t, u) && seems_to_straddle(u, t)) {
-      return simd::kernels().find_crossings(pairs_, crossings_);
-    }
+    may_cross = seems_to_straddle(t, u) && seems_to_straddle(u, t);
   }
-}
-
-OrientedFaces geometry::ContactBatch::oriented(std::uint32_t i) const {
-  const bool of_a = pairs_.has_outside_a[i] > 0, of_b = pairs_.has_outside_b[i] > 0;
-  if (of_a) return of_b ? OrientedFaces::both : OrientedFaces::of_a;
-  return of_b ? OrientedFaces::of_b : OrientedFaces::none;
+  if (may_cross) simd::kernels().find_crossings(pairs_, crossings_);  // of all pairs, in one go
 }
 
 ClosestFeatures geometry::ContactBatch::crossing(std::uint32_t i) const {
@@ -358,22 +353,19 @@ ClosestFeatures geometry::ContactBatch::crossing(std::uint32_t i) const {
   return {0, point, point, face, of_edge, weights_in_face, weights_on_edge};
 }
 
-void geometry::ContactBatch::part(std::uint32_t i, TriangleContact& contact) {
+void geometry::ContactBatch::separate(std::uint32_t i, TriangleContact& contact) {
   if (!has_overlaps_) simd::kernels().find_least_overlaps(pairs_, overlaps_);
   has_overlaps_ = true;
-  if ((overlaps_.are_ordinary >> i & 1) == 0) return limber::part(a(i), b(i), oriented(i), contact);
+  if ((overlaps_.are_ordinary >> i & 1) == 0) return limber::separate(a(i), b(i), oriented_[i], contact);
   contact.normal = overlaps_.normal[i], contact.depth = overlaps_.depth[i];
   if ((overlaps_.are_outward >> i & 1) != 0) contact.normal_side = NormalSide::outward;
 }
 
 TriangleContact geometry::ContactBatch::contact(std::uint32_t i, double farthest) {
   LIMBER_ASSERT(i < size_);
-  FeaturesAndDirection found;
-  if ((crossings_.are_certain >> i & 1) != 0) {
-    found.closest = crossing(i);
-  } else {
-    found = features_and_direction(a(i), b(i));
-  }
+  const bool is_certain = (crossings_.are_certain >> i & 1) != 0;
+  const FeaturesAndDirection found =
+      is_certain ? FeaturesAndDirection{crossing(i), {}} : features_and_direction(a(i), b(i));
   const ClosestFeatures& closest = found.closest;
   TriangleContact contact;
   contact.distance = closest.distance;
@@ -381,11 +373,11 @@ TriangleContact geometry::ContactBatch::contact(std::uint32_t i, double farthest
   contact.feature_a = closest.feature_a, contact.feature_b = closest.feature_b;
   contact.weights_a = closest.weights_a, contact.weights_b = closest.weights_b;
   if (closest.distance == 0) {
-    part(i, contact);
+    separate(i, contact);
   } else if (closest.distance <= farthest) {
     const Triangle t = a(i), u = b(i);
     contact.normal = found.are_proven_apart ? normalized(found.a_to_b) : normal_of_a_small_gap(t, u, closest.distance);
-    contact.normal_side = side_of(contact.normal, t, u, oriented(i));
+    contact.normal_side = side_of(contact.normal, t, u, oriented_[i]);
   }
   return contact;
 }

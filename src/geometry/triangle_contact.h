@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
+#include "base/check.h"
 #include "geometry/primitives.h"
 #include "simd/kernels.h"
 
@@ -24,10 +26,16 @@ class ContactBatch {
   static constexpr std::uint32_t room = simd::TrianglePairs::room;
 
   std::uint32_t size() const { return size_; }
-  void clear();
+  void clear() { size_ = crossings_.are_certain = 0, has_overlaps_ = false; }
   /// Pre: size() < room, and nothing has been found since clear().
-  void add(const Triangle& a, const Triangle& b, OrientedFaces oriented);
-  /// Finds the pairs that cross for certain, if any seems to cross: contact() is faster for these.
+  void add(const Triangle& a, const Triangle& b, OrientedFaces oriented) {
+    LIMBER_ASSERT(size_ < room && !has_overlaps_);
+    for (std::size_t k = 0; k < 3; ++k) pairs_.a[k][size_] = a[k], pairs_.b[k][size_] = b[k];
+    pairs_.has_outside_a[size_] = oriented == OrientedFaces::both || oriented == OrientedFaces::of_a ? 1 : 0;
+    pairs_.has_outside_b[size_] = oriented == OrientedFaces::both || oriented == OrientedFaces::of_b ? 1 : 0;
+    oriented_[size_++] = oriented;
+  }
+  /// Finds all pairs that cross for certain, if some pair seems to cross: contact() is faster for these.
   void find_crossings();
   /// The contact of pair i, to the bit that of geometry::contact(). Pre: i < size().
   TriangleContact contact(std::uint32_t i, double farthest);
@@ -35,13 +43,13 @@ class ContactBatch {
  private:
   Triangle a(std::uint32_t i) const { return {pairs_.a[0][i], pairs_.a[1][i], pairs_.a[2][i]}; }
   Triangle b(std::uint32_t i) const { return {pairs_.b[0][i], pairs_.b[1][i], pairs_.b[2][i]}; }
-  OrientedFaces oriented(std::uint32_t i) const;
   /// The points and features of pair i, which crosses for certain.
   ClosestFeatures crossing(std::uint32_t i) const;
   /// Sets normal, side and depth of pair i, which intersects.
-  void part(std::uint32_t i, TriangleContact& contact);
+  void separate(std::uint32_t i, TriangleContact& contact);
 
   simd::TrianglePairs pairs_;
+  OrientedFaces oriented_[room]{};
   simd::Crossings crossings_;
   simd::LeastOverlaps overlaps_;
   bool has_overlaps_ = false;

@@ -236,7 +236,7 @@ LIMBER_KERNEL Quad order_of(const TriangleLanes& a, const TriangleLanes& b) {
   return order;
 }
 
-/// reach() of src/geometry/triangle_contact.cpp, with a normal of any length.
+/// weight_of_reach() of src/geometry/triangle_contact.cpp, with a normal of any length.
 LIMBER_KERNEL Quad reach(const Quad3& n, const TriangleLanes& plane, const TriangleLanes& other, Quad shallow_sq) {
   const Triple<Quad> at_plane{dot(n, plane.corner[0]), dot(n, plane.corner[1]), dot(n, plane.corner[2])};
   const Triple<Quad> at{dot(n, other.corner[0]), dot(n, other.corner[1]), dot(n, other.corner[2])};

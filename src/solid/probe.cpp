@@ -54,10 +54,6 @@ double quotient(const Integer& n, const Integer& d, int unit) {
 
 }  // namespace
 
-int Estimate::certain_sign() const {
-  return std::abs(value) > error && std::isfinite(error) ? (value > 0 ? 1 : -1) : 0;
-}
-
 Estimate operator*(const Estimate& x, const Estimate& y) {
   const double value = x.value * y.value;
   const double error = std::abs(x.value) * y.error + x.error * std::abs(y.value) + x.error * y.error;
@@ -80,36 +76,12 @@ ExactPoint::ExactPoint(IntegerVec p, Integer w, int unit) : p_(std::move(p)), w_
     w_ = -w_;
   }
   for (std::size_t k = 0; k < 3; ++k) rounded_[k] = quotient(p_[k], w_, unit_);
-  if (is_finite(rounded_)) {
-    const ExactPoint of_rounded(rounded_, std::min(unit_, CommonUnit().include(rounded_).exponent()));
-    is_rounded_exactly_ = *this == of_rounded;
-  } else {
-    is_rounded_exactly_ = false;
-  }
+  is_rounded_exactly_ =
+      is_finite(rounded_) && *this == ExactPoint(rounded_, std::min(unit_, CommonUnit().include(rounded_).exponent()));
 }
 
 double ExactPoint::rounding() const {
   return is_rounded_exactly_ ? 0 : point_error * max_abs(rounded_) + std::numeric_limits<double>::min();
-}
-
-bool ExactPoint::operator==(const ExactPoint& other) const {
-  const int unit = std::min(unit_, other.unit_);
-  const IntegerVec p = numerators_in(unit), q = other.numerators_in(unit);
-  return p[0] * other.w_ == q[0] * w_ && p[1] * other.w_ == q[1] * w_ && p[2] * other.w_ == q[2] * w_;
-}
-
-int ExactPoint::compare(const ExactPoint& other, std::size_t axis) const {
-  LIMBER_ASSERT(axis < 3 && unit_ == other.unit_);
-  const double off = rounding() + other.rounding();
-  const int sign = Estimate{rounded_[axis] - other.rounded_[axis], 2 * off}.certain_sign();
-  if (sign != 0 || off == 0) return sign;
-  return (p_[axis] * other.w_ - other.p_[axis] * w_).sign();
-}
-
-IntegerVec ExactPoint::numerators_in(int unit) const {
-  LIMBER_ASSERT(unit <= unit_);
-  const auto shift = static_cast<unsigned>(unit_ - unit);
-  return {p_[0] << shift, p_[1] << shift, p_[2] << shift};
 }
 
 int ExactPoint::side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const {
@@ -121,12 +93,8 @@ int ExactPoint::side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) con
   const double of_point = std::abs(along_i * rounded_[j]) + std::abs(along_j * rounded_[i]);
   const double bound = 4 * epsilon * (std::abs(left) + std::abs(right)) + point_error * of_point + underflow_bound;
   const int sign = Estimate{left - right, bound}.certain_sign();
-  return sign != 0 ? sign : exact_side_of_line(a, b, axis);
-}
-
-int ExactPoint::exact_side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const {
+  if (sign != 0) return sign;
   const int unit = std::min(unit_, CommonUnit().include(a).include(b).exponent());
-  const std::size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
   const IntegerVec p = numerators_in(unit), from = whole(a, unit), to = whole(b, unit);
   const Integer det = (to[i] - from[i]) * (p[j] - w_ * from[j]) - (to[j] - from[j]) * (p[i] - w_ * from[i]);
   return det.sign();
@@ -200,33 +168,6 @@ std::optional<AxisDirection> direction_off(const Triangle& triangle, int side) {
     turn = geometry::orient2d(triangle.v0, triangle.v1, triangle.v2, axis);
   }
   return AxisDirection{axis, turn == side};
-}
-
-int CornerProbe::side_of_line(const Vec3& a, const Vec3& b) const {
-  // Where the probe's base is on the line, the side is that to which the first direction leads, and so on.
-  for (const Vec3& corner : corners_) {
-    if (const int side = geometry::orient2d(a, b, corner, off_.axis); side != 0) return side;
-  }
-  return 0;
-}
-
-int CornerProbe::side_of_plane(const Triangle& t) const {
-  for (const Vec3& corner : corners_) {
-    if (const int side = geometry::orient3d(t.v0, t.v1, t.v2, corner); side != 0) return side;
-  }
-  return 0;
-}
-
-int CutProbe::side_of_line(const Vec3& a, const Vec3& b) const {
-  if (const int side = base_.side_of_line(a, b, off_.axis); side != 0) return side;
-  if (const int side = side_of_direction(a, b, along_, off_.axis); side != 0) return side;
-  return geometry::orient2d(a, b, corner_, off_.axis);
-}
-
-int CutProbe::side_of_plane(const Triangle& t) const {
-  if (const int side = base_.side_of_plane(t); side != 0) return side;
-  if (const int side = side_of_direction(t, along_); side != 0) return side;
-  return geometry::orient3d(t.v0, t.v1, t.v2, corner_);
 }
 
 }  // namespace limber::solid

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
 
+#include "base/check.h"
 #include "geometry/integers.h"
+#include "geometry/primitives.h"
 #include "limber/geometry.h"
 
 /// Points where edges and planes of placed triangles cross, and exact decisions about them.
@@ -23,7 +26,7 @@ struct Estimate {
   double value, error;
 
   /// The sign of the number; 0 if the error leaves it open.
-  int certain_sign() const;
+  int certain_sign() const { return std::abs(value) > error && std::isfinite(error) ? (value > 0 ? 1 : -1) : 0; }
   friend Estimate operator*(const Estimate& x, const Estimate& y);
 };
 
@@ -40,9 +43,19 @@ class ExactPoint {
   const Vec3& rounded() const { return rounded_; }
   /// A bound of what rounding has changed a coordinate by; 0 if it has changed nothing.
   double rounding() const;
-  bool operator==(const ExactPoint& other) const;
+  bool operator==(const ExactPoint& other) const {
+    const int unit = std::min(unit_, other.unit_);
+    const IntegerVec p = numerators_in(unit), q = other.numerators_in(unit);
+    return p[0] * other.w_ == q[0] * w_ && p[1] * other.w_ == q[1] * w_ && p[2] * other.w_ == q[2] * w_;
+  }
   /// Which of two points is first along an axis: -1 for this one, 0 if they are equal there. Pre: both have one unit.
-  int compare(const ExactPoint& other, std::size_t axis) const;
+  int compare(const ExactPoint& other, std::size_t axis) const {
+    LIMBER_ASSERT(axis < 3 && unit_ == other.unit_);
+    const double off = rounding() + other.rounding();
+    const int sign = Estimate{rounded_[axis] - other.rounded_[axis], 2 * off}.certain_sign();
+    if (sign != 0 || off == 0) return sign;
+    return (p_[axis] * other.w_ - other.p_[axis] * w_).sign();
+  }
 
   /// On which side of the line from a to b the point is, seen along an axis: as orient2d().
   int side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const;
@@ -53,14 +66,20 @@ class ExactPoint {
   /// Pre: `unit` is at most that of the point and of the triangle.
   Integer height(const Triangle& t, int unit) const;
 
- private:
+  /// The point in which the line through two points crosses the plane of a triangle; none if it is parallel to it. Pre:
+  /// both points have the same unit, and the triangle is not degenerate.
   friend std::optional<ExactPoint> crossing(const ExactPoint& from, const ExactPoint& to, const Triangle& plane);
+  /// A positive multiple of the difference of two points. Pre: both have the same unit.
   friend IntegerVec direction(const ExactPoint& from, const ExactPoint& to);
 
+ private:
   ExactPoint(IntegerVec p, Integer w, int unit);
   /// The numerators in another unit. Pre: it is at most that of the point.
-  IntegerVec numerators_in(int unit) const;
-  int exact_side_of_line(const Vec3& a, const Vec3& b, std::size_t axis) const;
+  IntegerVec numerators_in(int unit) const {
+    LIMBER_ASSERT(unit <= unit_);
+    const auto shift = static_cast<unsigned>(unit_ - unit);
+    return {p_[0] << shift, p_[1] << shift, p_[2] << shift};
+  }
 
   IntegerVec p_;
   Integer w_;
@@ -68,14 +87,6 @@ class ExactPoint {
   Vec3 rounded_;
   bool is_rounded_exactly_ = true;
 };
-
-/// The point in which the line through two points crosses the plane of a triangle; none if it is parallel to it.
-///
-/// Pre      Both points have the same unit. The triangle is not degenerate.
-std::optional<ExactPoint> crossing(const ExactPoint& from, const ExactPoint& to, const Triangle& plane);
-
-/// A positive multiple of the difference of two points. Pre: both have the same unit.
-IntegerVec direction(const ExactPoint& from, const ExactPoint& to);
 
 /// To which side of the line from a to b a direction leads, seen along an axis: +1 to the left.
 int side_of_direction(const Vec3& a, const Vec3& b, const IntegerVec& direction, std::size_t axis);
@@ -85,12 +96,10 @@ int side_of_direction(const Triangle& t, const IntegerVec& direction);
 /// Probes: points that are off both surfaces, though by infinitesimal amounts alone.
 ///
 /// Each lies beside a triangle, on one of its sides. It is given by a base point in the triangle's plane and two
-/// directions in that plane: the base is moved by an infinitesimal amount along the first, by a much smaller one along
-/// the second, and by a smaller one still off the plane, along an axis of the world that is not parallel to the plane.
-/// A ray from there along the same axis never meets an edge, and signs of exact determinants tell what it crosses.
-///
-/// Based on  Symbolic perturbation [EdelsbrunnerMuecke1990].
-/// Differs   The perturbation has a meaning: it leads into a cell next to the base point.
+/// directions in that plane: the base is moved by an infinitesimal e along the first, by e^2 along the second, and by
+/// e^3 off the plane, along an axis of the world that is not parallel to it. A ray from there along the same axis never
+/// meets an edge. Exact signs tell what it crosses: that of the base or, where that is 0, that of the first direction,
+/// and so on. This is symbolic perturbation [EdelsbrunnerMuecke1990], with a meaning: it leads into a cell.
 
 /// The direction of an axis of the world, or against it.
 struct AxisDirection {
@@ -114,11 +123,23 @@ class CornerProbe {
   const Vec3& position() const { return corners_[0]; }
   double rounding() const { return 0; }
   /// On which side of the line from a to b it is, seen along the axis; 0 only where a and b are one point, seen so.
-  int side_of_line(const Vec3& a, const Vec3& b) const;
+  int side_of_line(const Vec3& a, const Vec3& b) const {
+    return first_side([&](const Vec3& corner) { return geometry::orient2d(a, b, corner, off_.axis); });
+  }
   /// On which side of the plane of a triangle it is; 0 only if it is the plane of its own triangle.
-  int side_of_plane(const Triangle& t) const;
+  int side_of_plane(const Triangle& t) const {
+    return first_side([&](const Vec3& corner) { return geometry::orient3d(t.v0, t.v1, t.v2, corner); });
+  }
 
  private:
+  template <typename SideOf>
+  int first_side(const SideOf& side_of) const {
+    for (const Vec3& corner : corners_) {
+      if (const int side = side_of(corner); side != 0) return side;
+    }
+    return 0;
+  }
+
   std::array<Vec3, 3> corners_;
   AxisDirection off_;
 };
@@ -133,8 +154,16 @@ class CutProbe {
   const AxisDirection& off() const { return off_; }
   const Vec3& position() const { return base_.rounded(); }
   double rounding() const { return base_.rounding(); }
-  int side_of_line(const Vec3& a, const Vec3& b) const;
-  int side_of_plane(const Triangle& t) const;
+  int side_of_line(const Vec3& a, const Vec3& b) const {
+    if (const int side = base_.side_of_line(a, b, off_.axis); side != 0) return side;
+    const int side_along = side_of_direction(a, b, along_, off_.axis);
+    return side_along != 0 ? side_along : geometry::orient2d(a, b, corner_, off_.axis);
+  }
+  int side_of_plane(const Triangle& t) const {
+    if (const int side = base_.side_of_plane(t); side != 0) return side;
+    const int side_along = side_of_direction(t, along_);
+    return side_along != 0 ? side_along : geometry::orient3d(t.v0, t.v1, t.v2, corner_);
+  }
 
  private:
   const ExactPoint& base_;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <span>
 #include <vector>
 
 #include "base/check.h"
@@ -16,7 +17,7 @@
 
 namespace limber::solid {
 
-/// Disjoint sets of the numbers below some count: union-find with path halving.
+/// Disjoint sets of the numbers below some count: union-find with path halving. A set is named by its representative.
 class DisjointSets {
  public:
   /// They are incomplete, and must not be used, if the meter is spent before they are made.
@@ -40,49 +41,75 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
-/// A triangle of either surface: those of a are numbered first.
+/// A triangle of either surface: those of a are numbered first. Each of its two sides is a half-facet.
 using FacetId = VertexId;
 
-/// How a facet lies to another one, as bits.
+/// Where another facet lies, seen from one facet, as bits.
 using Sides = std::uint8_t;
-inline constexpr Sides in_front = 1, behind = 2;  // some part of it is strictly on that side of the other one's plane
-inline constexpr Sides across = 4;                // it crosses the interior of the other one in a segment
+inline constexpr Sides in_front = 1, behind = 2;  // some part of the other is strictly on that side of the one's plane
+inline constexpr Sides across = 4;                // the other crosses the interior of the one in a segment
 
-/// Another facet, which one meets elsewhere than in what they share by vertex ids.
+/// Says of one facet that it meets another one: elsewhere than in what they share by vertex ids, or as its copy, which
+/// has the same corners.
 struct Meeting {
   FacetId other;
-  Sides sides;  // of the one, where the other is
+  Sides sides;  // where the other one lies
+
+  /// Whether the other facet crosses this one from side to side.
+  bool is_through() const { return sides == (in_front | behind | across); }
+  /// The order of the meetings of a facet.
+  static bool comes_before(const Meeting& m, FacetId other) { return m.other < other; }
 };
 
-/// Looks into all cells of two surfaces, by probes on both sides of all triangles.
+/// Looks into all cells of two surfaces, the parts into which they divide space, by probes; shells.cpp has the steps.
 ///
-/// One side of a triangle is a half-facet. It lies in one cell if no other triangle crosses it. Two of them lie in the
-/// same cell if they are neighbors across an edge and nothing is between them there. Half-facets that are joined that
-/// way are a shell, and one probe looks for all of them. A half-facet that others cross falls into pieces; each has a
-/// part of a cut as border, and is looked into from there, unless one that borders the same cell is.
+/// A half-facet borders one cell if no other facet crosses it. One that is crossed falls into pieces, each of which
+/// borders a cell. A cut, the segment in which two facets cross, is a part of the border of pieces.
 class Shells {
  public:
   /// `contacts` are all pairs of triangles of a and b that meet.
   Shells(Cells& cells, const std::deque<TrianglePair>& contacts);
 
   /// Looks until all kinds of cells are known, or the budget is spent. Those not found do not exist if it is not.
-  void look();
+  void look() {
+    find_sides();
+    if (!cells_.are_all_known() && !cells_.is_stopped()) join_neighbors(pair::Side::a, 0);
+    if (!cells_.are_all_known() && !cells_.is_stopped()) join_neighbors(pair::Side::b, count_of_a_);
+    look_into_shells();
+    look_along_cuts();
+  }
 
  private:
   pair::Side side_of(FacetId f) const { return f < count_of_a_ ? pair::Side::a : pair::Side::b; }
-  Triangle triangle(FacetId f) const;
+  Triangle triangle(FacetId f) const {
+    LIMBER_ASSERT(f < count_);
+    const point::PlacedModel& model = cells_.model(side_of(f));
+    return model.triangle(model.mesh().triangles[f < count_of_a_ ? f : f - count_of_a_]);
+  }
   /// Its number among all half-facets: those of f come one after the other, first its front.
   static std::size_t half_facet(FacetId f, Sides half) { return std::size_t{2} * f + (half == in_front ? 0 : 1); }
-  /// The sides of `f` where `other` is; 0 if they do not meet.
-  Sides sides_between(FacetId f, FacetId other) const;
+  /// Where `other` lies, seen from f; 0 if they do not meet.
+  Sides sides_between(FacetId f, FacetId other) const {
+    const std::span<const Meeting> meetings = meetings_.of(f);
+    const auto found = std::lower_bound(meetings.begin(), meetings.end(), other, Meeting::comes_before);
+    return found == meetings.end() || found->other != other ? Sides{0} : found->sides;
+  }
 
   void find_sides();
+  /// Joins half-facets of neighbors of the surface s, whose facets are numbered from `first` on.
   void join_neighbors(pair::Side s, FacetId first);
-  /// Whether a facet cuts the wedge between the half-facets of two neighbors, next to the edge between these points.
-  bool cuts_wedge(FacetId f, FacetId neighbor, Sides half, bool is_convex, const Segment& edge) const;
-  void look_into_pieces(FacetId f);
-  /// Whether the cut of both is looked into from x: an order of facets. Those crossed from side to side come first.
-  bool is_looked_into_before(FacetId x, FacetId f) const;
+  /// Whether a facet may be in the wedge between the half-facets of two neighbors, next to the edge between these
+  /// points. A wrong yes costs a probe, no more: so it is the answer if the budget is spent.
+  bool may_be_between(FacetId f, FacetId neighbor, Sides half, bool is_convex, const Segment& edge) const;
+  void look_into_shells();
+  void look_along_cuts();
+  /// Whether x comes before f in the order in which cuts are looked into, of *Where to look*, 5, in solids.md: those
+  /// crossed from side to side first.
+  bool is_looked_into_before(FacetId x, FacetId f) const {
+    const Sides of_x = cut_halves_[x] & across, of_f = cut_halves_[f] & across;
+    return of_x != of_f ? of_x != 0 : x < f;
+  }
+  /// Looks into the cells beside the cut of two facets on each side of f where the cutter lies, unless 5 leaves it out.
   void look_along_cut(FacetId f, const Meeting& cutter);
   /// Adds to the cut of two facets all others that meet both.
   void add_crossers(Cut& cut, FacetId f, FacetId other) const;
@@ -90,10 +117,10 @@ class Shells {
   Cells& cells_;
   FacetId count_of_a_, count_;
   mesh::VertexLists<Meeting> meetings_;  // of each facet, in the order of the others
-  std::vector<bool> is_degenerate_;      // for each facet
-  std::vector<bool> is_copy_;            // for each facet: whether one with the same corners comes before it
-  std::vector<Sides>
-      cut_halves_;       // for each facet: its half-facets that others cross; and `across` if one is on either side
+  // Of each facet: whether it has no area; whether one with the same corners comes before it; its half-facets that
+  // others cross, and `across` if another one crosses it from side to side.
+  std::vector<bool> is_degenerate_ = std::vector<bool>(count_), is_copy_ = std::vector<bool>(count_);
+  std::vector<Sides> cut_halves_ = std::vector<Sides>(count_);
   DisjointSets shells_;  // of half-facets
 };
 

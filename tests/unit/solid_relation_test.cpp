@@ -281,7 +281,7 @@ TEST(SolidRelation, OfManyPairsIsThatOfEach) {
 /// A point that lies nearly on a line and in a plane, decided by rationals.
 TEST(ExactPoint, DecidesAsRationalsDo) {
   const Triangle ground{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_FALSE(solid::crossing(solid::ExactPoint({0, 0, 1}, 0), solid::ExactPoint({1, 0, 1}, 0), ground));
+  EXPECT_FALSE(crossing(solid::ExactPoint({0, 0, 1}, 0), solid::ExactPoint({1, 0, 1}, 0), ground));
   Rng rng(2622);
   int zeros = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -290,7 +290,7 @@ TEST(ExactPoint, DecidesAsRationalsDo) {
     const Vec3 from = some(), to = some();
     const Triangle plane{some(), some(), some()};
     const int unit = solid::CommonUnit().include(from).include(to).include(plane).exponent();
-    const auto p = solid::crossing(solid::ExactPoint(from, unit), solid::ExactPoint(to, unit), plane);
+    const auto p = crossing(solid::ExactPoint(from, unit), solid::ExactPoint(to, unit), plane);
     if (!p || max_abs(p->rounded()) > 100) continue;
     const auto height = [](const Triangle& t, const RationalVec& q) {
       const RationalVec v0 = rational(t.v0);
