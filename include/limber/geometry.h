@@ -171,13 +171,15 @@ LIMBER_API TriangleContact contact(const Triangle& a, const Triangle& b);
 ///
 /// Promise  As above, with these differences. Apart: `normal_side` says whether the normal agrees with the outsides.
 ///          Intersecting: the normal takes the side of the outsides, and `normal_side` is `outward`. With unit normals
-///          n_a and n_b of the faces, it has the direction of n_a - n_b; if only a has an outside, of n_a + (n_a . n_b)
-///          n_b; if only b has, of the negative of n_b + (n_a . n_b) n_a: within 20 degrees of n_a, or of -n_b. `depth`
-///          is that without outsides, the least overlap there is: to move b by it parts the triangles, but in another
-///          direction than this normal. Where both have an outside, and n_a and n_b are within 30 degrees of each
-///          other, or all triangles that have one are degenerate or nearly so, the answer is that without outsides. A
-///          sliver lower than 10^-9 of its longest edge may be taken as either.
-///          Swapping a and b, and with them what has an outside, negates the normal as above.
+///          n_a and n_b of the faces, it has the direction of n_a - n_b, which turns to -n_b where a hardly reaches
+///          behind b, and to n_a where b hardly reaches behind a: by less than a 32nd of the longest edge of the
+///          smaller one. If only a has an outside, it has that of n_a + (n_a . n_b) n_b; if only b has, of the negative
+///          of n_b + (n_a . n_b) n_a: within 20 degrees of n_a, or of -n_b. `depth` is that without outsides, the least
+///          overlap there is: to move b by it parts the triangles, but in another direction than this normal. Where
+///          both have an outside, and n_a and n_b are within 30 degrees of each other, or all triangles that have one
+///          are degenerate or nearly so, the answer is that without outsides. A sliver lower than 10^-9 of its longest
+///          edge may be taken as either. Swapping a and b, and with them what has an outside, negates the normal as
+///          above.
 /// Throws   As closest_points().
 /// Cost     As above.
 /// Source   docs/algorithms/triangle_distance.md, "Outsides".

@@ -95,9 +95,9 @@ Expansion<16> minor(const VectorOfExpansions& p, const VectorOfExpansions& q, st
 }
 
 /// How many binades the sizes of coordinates may span so that expansions of them are exact. Coordinates are scaled so
-/// that the largest has its first bit at 2^-1; where that power of two would be subnormal, at 2 at most. So the
-/// smallest has its first bit at 2^-271 or above, and its last at 2^-323. In a product of three that is above the
-/// smallest subnormal, 2^-1074; 305 binades would still do.
+/// that the largest is in [1/2, 1), or up to 4 where that would take a subnormal scale. So the last bit of the smallest
+/// is at 2^-323 or above, and that of a product of three above the smallest subnormal, 2^-1074. 305 binades would do;
+/// 270 is a choice, as hardly any input spans more.
 constexpr int most_binades = 270;
 
 /// A power of two that makes expansions of scaled coordinates exact; 0 where there is none.
@@ -105,7 +105,7 @@ double scale_for_expansions(std::initializer_list<double> coordinates) {
   int lowest = std::numeric_limits<int>::max(), highest = std::numeric_limits<int>::min();
   for (const double x : coordinates) {
     if (x == 0) continue;
-    // Subnormal numbers count as 2^-1023: their last bit is that of the smallest normal ones.
+    // A subnormal counts as 2^-1023: its last bit, 2^-1074, is above those of a number of that size.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff) - 1023;
     lowest = std::min(lowest, exponent), highest = std::max(highest, exponent);
   }
@@ -115,7 +115,8 @@ double scale_for_expansions(std::initializer_list<double> coordinates) {
 }
 
 // A coordinate is below 2^1024, and a multiple of 2^-1074, so it becomes an integer of 2098 bits at most. A determinant
-// of three differences has 3 * 2099 + 3 = 6300 bits; two limbs are room. Only the limbs in use are worked on.
+// of three differences, six products, has 3 * 2099 + 3 = 6300 bits; two limbs are room. Only the limbs in use are
+// worked on.
 constexpr unsigned bits_of_integers = 6464;
 using FixedInteger = boost::multiprecision::number<
     boost::multiprecision::cpp_int_backend<bits_of_integers, bits_of_integers, boost::multiprecision::signed_magnitude,

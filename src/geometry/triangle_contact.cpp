@@ -8,8 +8,9 @@
 //    direction along which the triangles leave the largest gap.
 // 3. Intersecting: separate() finds the axis along which they overlap least, and that overlap, the depth. The kernel
 //    find_least_overlaps() does so for ordinary triangles, LeastOverlap for all others.
-// 4. Where faces have an outside, intersecting ones get the normal out_of_a(), between both face normals. For others
-//    side_of() says how the normal lies to the outsides.
+// 4. Where faces have an outside, intersecting ones get the normal out_of_a(), between that of a and the negative of
+//    that of b. For others side_of() says how the normal lies to the outsides.
+// The kernels (src/kernels/find_crossings-inl.h) do 3 and 4 by the same formulas: a change is one of both.
 //
 // Based on  the separating axes of two triangles, [Ericson2005] 5.2.1: two face normals and nine cross products of
 //           edges. The least overlap along them is the shortest motion that parts the two.
@@ -135,7 +136,8 @@ struct Axes {
 /// The axis along which two triangles overlap least: moving the second along it by that much parts them. Of equal ones
 /// the first that was considered.
 ///
-/// A triangle that an axis separates from the other overlaps less than 0; `intersect` says that this would be rounding.
+/// Of triangles that are apart the least overlap is minus the largest gap. If they `intersect`, a negative overlap is
+/// rounding, and counts as 0.
 class LeastOverlap {
  public:
   LeastOverlap(const OrderedPair& pair, bool intersect)
@@ -149,14 +151,15 @@ class LeastOverlap {
   }
 
   /// Takes the line from corner i of the first triangle to corner j of the second, or the part of it across an edge at
-  /// one of them, if the triangles overlap less along it; but nothing longer than `longest`, beyond rounding.
+  /// one of them, if the triangles overlap less along it; but nothing with a coordinate above `longest`. Both are as
+  /// given, not local: directions are the line times a power of two.
   ///
   /// With the axes above these are all that can be between the closest points of triangles that are apart.
   void consider_corners(const Vec3& line, std::size_t i, std::size_t j, double longest) {
     if (max_abs(line) == 0) return;
     const Vec3 direction = near_unit(line);
-    const double size = max_abs(line), most = longest * max_abs(direction);
-    const auto is_too_long = [&](const Vec3& part) { return max_abs(part) * size > most; };
+    const double line_size = max_abs(line), scaled_longest = longest * max_abs(direction);
+    const auto is_too_long = [&](const Vec3& part) { return max_abs(part) * line_size > scaled_longest; };
     if (!is_too_long(direction)) consider(direction);
     constexpr std::array<std::size_t, 3> before{2, 0, 1};
     for (const Vec3* edge : {&first_.edge[before[i]], &first_.edge[i], &second_.edge[before[j]], &second_.edge[j]}) {
@@ -235,21 +238,22 @@ Vec3 unit_or_none(const Vec3& v) {
   return v_sq > 0 ? v * (1 / std::sqrt(v_sq)) : Vec3{};
 }
 
-/// The fourth power of how far a triangle reaches behind the plane of another one of unit normal n, as a part of the
-/// depth that is no longer shallow; 1 beyond. Half as far counts a sixteenth, so that a face that is hardly reached
-/// through has hardly any say. It is never 0, so that two can be compared: 2^-160 is for 2^-40 of the depth, rounding.
-double weight_of_reach(const Vec3& n, const Triangle& plane, const Triangle& other, double shallow_sq) {
+/// (r / s)^4, at most 1: r is how far a triangle reaches behind the plane of another one of unit normal n, s the root
+/// of `shallow_sq`, from which on a reach is not shallow. It is never 0, so that two can be compared: 2^-160 is for
+/// 2^-40 of s, which is rounding.
+double weight_of_reach(const Triangle& reaching, const Triangle& plane, const Vec3& n, double shallow_sq) {
   const double behind = std::max({dot(n, plane.v0), dot(n, plane.v1), dot(n, plane.v2)}) -
-                        std::min({dot(n, other.v0), dot(n, other.v1), dot(n, other.v2)});
+                        std::min({dot(n, reaching.v0), dot(n, reaching.v1), dot(n, reaching.v2)});
   const double part_sq = std::clamp(behind * std::max(behind, 0.0) / shallow_sq, 0x1p-80, 1.0);
   return part_sq * part_sq;
 }
 
 /// A direction from a to b that is out of a and into b; 0 if there is none.
 ///
-/// Each normal is weighted by how far the other triangle is reached through its face, but at least so much that the
-/// direction does not lead back through the face itself. A face without an outside turns to the other as far as it
-/// faces it, so that nothing jumps where they are at right angles.
+/// The normal of a counts by how far a reaches behind b, that of b by how far b reaches behind a. So a crate that dips
+/// into a floor is pushed along the floor's normal: the floor is far behind the crate's side, the crate hardly behind
+/// the floor. Each counts at least so much that the direction does not lead back through its own face. A face without
+/// an outside turns to the other as far as it faces it, so that nothing jumps where they are at right angles.
 Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented, const OrderedPair& pair) {
   const Vec3 outside_a = outside_of(a), outside_b = outside_of(b);
   const double along = dot(outside_a, outside_b);
@@ -270,9 +274,10 @@ Vec3 out_of_a(const Triangle& a, const Triangle& b, OrientedFaces oriented, cons
   };
   constexpr double not_zero = 0x1p-1000;  // as squares of tiny edges vanish
   const double size_sq = std::max(std::min(longest_edge_sq(local_a), longest_edge_sq(local_b)), not_zero);
-  const double of_a = weight_of_reach(n_b, local_b, local_a, simd::shallow_part_sq * size_sq);
-  const double of_b = weight_of_reach(n_a, local_a, local_b, simd::shallow_part_sq * size_sq);
-  return std::max(of_a, dot(n_a, n_b) * of_b) * n_a - std::max(of_b, dot(n_a, n_b) * of_a) * n_b;
+  const double a_behind_b = weight_of_reach(local_a, local_b, n_b, simd::shallow_part_sq * size_sq);
+  const double b_behind_a = weight_of_reach(local_b, local_a, n_a, simd::shallow_part_sq * size_sq);
+  const double cosine = dot(n_a, n_b);
+  return std::max(a_behind_b, cosine * b_behind_a) * n_a - std::max(b_behind_a, cosine * a_behind_b) * n_b;
 }
 
 /// How the normal from a to b, which are apart, lies to their outsides.
@@ -332,7 +337,7 @@ Vec3 normal_of_a_small_gap(const Triangle& a, const Triangle& b, double distance
 }  // namespace
 
 void geometry::ContactBatch::find_crossings() {
-  bool may_cross = false;  // some pair
+  bool may_cross = false;  // some pair; one that is overlooked gets the same bits from contact(), only later
   for (std::uint32_t i = 0; i < size_ && !may_cross; ++i) {
     const Triangle t = a(i), u = b(i);
     may_cross = seems_to_straddle(t, u) && seems_to_straddle(u, t);

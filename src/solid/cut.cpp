@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+// cut.h says what t and x, their wedges, the lines there and det(p, q) are.
+//
 // 1. The constructor finds the ends of the segment that t and x share, exactly.
 // 2. add() takes the triangles that cross it, and sorts them by where they do.
 // 3. look() and look_everywhere() follow the lines in the wedges, from where a ray tells the winding numbers.
@@ -122,18 +124,22 @@ void Cut::add(const Triangle& y, pair::Side s) {
   }
   if (side * last_side >= 0) return;
   Crosser crosser;
-  crosser.triangle = y, crosser.surface = s, crosser.step = side;
+  crosser.triangle = y, crosser.surface = s;
+  crosser.step = side;  // where the segment begins in front of y, the number grows by 1, as it is larger behind
   const std::array<Height, 3> over_t = heights_of(y, t_), over_x = heights_of(y, x_);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = next_corner[i];
+    // Of the line, and of moving it by e off x and e^2 off t, as cut.h derives, with p = corner i and q = corner k.
     crosser.of_line[i] = side_of_pass(over_t[i], over_x[i], over_t[k], over_x[k], t_, x_);
     if (crosser.of_line[i] != 0) continue;
     crosser.of_move_off_x[i] = compare_heights(over_t[k], over_t[i], t_);
     crosser.of_move_off_t[i] = compare_heights(over_x[i], over_x[k], x_);
   }
+  // A height that is off by d moves the place by d / size at most. `error` is that of both, and size - error at most
+  // the true size.
   const Estimate first = ends_[0].height_estimate(y), last = ends_[1].height_estimate(y);
   const double size = std::abs(first.value) + std::abs(last.value), error = first.error + last.error;
-  crosser.place = {0.5, 0.5};  // anywhere on the segment
+  crosser.place = {0.5, 0.5};  // anywhere on the segment: exact points decide
   if (size > 2 * error && std::isfinite(size)) {
     crosser.place = {std::abs(first.value) / size, error / (size - error) + rounding_of_place};
   }
@@ -149,7 +155,7 @@ WindingNumbers Cut::begin(Cells& cells, int side_of_t, int side_of_x) const {
   return cells.winding_numbers(CutProbe(ends_[0], along_, t_[corner], *direction_off(t_, side_of_t)));
 }
 
-void Cut::look_everywhere(Cells& cells) {
+void Cut::look_everywhere(Cells& cells) const {
   LIMBER_ASSERT(!is_shared());
   const WindingNumbers before_both = begin(cells, 1, 1);
   for (const int side_of_t : {1, -1}) {

@@ -129,7 +129,7 @@ class Cut {
   }
   /// Looks into the cells of all wedges, with one ray. Pre: each triangle has corners on both sides of the other, and
   /// the cut is not shared.
-  void look_everywhere(Cells& cells);
+  void look_everywhere(Cells& cells) const;
 
  private:
   /// A triangle that crosses the segment between its ends.

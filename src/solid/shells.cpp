@@ -5,7 +5,8 @@
 // 2. find_sides() finds on which sides of the facet each of them is, and whether it crosses the facet in a cut.
 // 3. join_neighbors() joins half-facets into shells: of neighbors across an edge, if no facet crosses them and none is
 //    between them there.
-// 4. look_into_shells() makes one probe for each shell: all its half-facets border one cell.
+// 4. look_into_shells() makes one probe for each shell, whose half-facets all border one cell. A half-facet that is
+//    crossed is a shell of its own.
 // 5. look_along_cuts() looks into the cells that pieces of crossed half-facets border, by lines along cuts. It leaves
 //    cuts out whose cells step 4 or other cuts look into.
 //
@@ -67,25 +68,28 @@ Sides sides_of(const Triangle& other, const Triangle& t) {
   if (has(signs, -1)) sides |= behind;
   if (sides == 0) return 0;
   const bool is_one_sided = sides != (in_front | behind);
-  if (is_one_sided && std::count(signs.begin(), signs.end(), 0) < 2) return sides;  // a corner at most touches
+  if (is_one_sided && std::count(signs.begin(), signs.end(), 0) < 2) return sides;  // it touches the plane in a corner
   const Signs own_signs = sides_of_corners(t, other);
-  const bool is_t_on_both_sides = has(own_signs, 1) && has(own_signs, -1);
+  const bool is_t_on_both_sides = has(own_signs, 1) && has(own_signs, -1);  // else a segment is at the border of t
   if (is_t_on_both_sides && share_a_segment(t, own_signs, other, signs)) sides |= across;
   return sides;
 }
 
 /// The meetings of each facet, in the order of the others, of each surface and between both. Their sides are not known
-/// yet. Incomplete if the budget is spent.
+/// yet. If the budget is spent, nobody may read the lists: entries may not be written. The meter stays spent, so asking
+/// it first is enough.
 mesh::VertexLists<Meeting> meetings_of(Cells& cells, const std::deque<TrianglePair>& contacts, FacetId count_of_a,
                                        FacetId count) {
   std::deque<TrianglePair> of_one[2];
   for (const pair::Side s : {pair::Side::a, pair::Side::b}) {
+    if (cells.is_stopped()) break;
     const auto add = [&](const TrianglePair& p) { return of_one[pair::index(s)].push_back(p), true; };
     cells.meter.stop(pair::visit_placed_self_intersections(cells.placed(s), add, cells.budget, cells.meter.stats));
     // Two triangles of the same three vertices meet in all of them, but are no self-intersection. They are neighbors
     // across all three edges; that between the two smaller ids finds them.
     const MeshView& mesh = cells.model(s).mesh();
     const auto add_copies = [&](VertexId, std::span<const mesh::TriangleSide> sides) {
+      LIMBER_ASSERT(sides.size() == 2);
       const auto apex = [&](const mesh::TriangleSide& side) {
         return mesh.triangles[side.triangle][next_corner[next_corner[side.corner]]];
       };
@@ -108,7 +112,8 @@ mesh::VertexLists<Meeting> meetings_of(Cells& cells, const std::deque<TrianglePa
     add(of_one[0], 0, 0);
     add(of_one[1], count_of_a, count_of_a);
   });
-  // A transposition sorts each list by `other`. Unlike a sort, it takes steps that the budget counts.
+  // Each meeting is in the lists of both, so transposing them gives the same lists again; as f only grows, each is now
+  // in the order of `other`. Unlike a sort, this takes steps that the budget counts.
   return Lists(count, [&](const auto& add_item) {
     std::size_t steps = 0;
     for (FacetId f = 0; f < count && !cells.meter.is_spent_at(f); ++f) {
@@ -154,7 +159,7 @@ void Shells::find_sides() {
         is_copy_[f] = is_copy_[f] || (orientation != 0 && m.other < f);
       }
       if ((m.sides & across) != 0) cut_halves_[f] |= m.sides & (in_front | behind);
-      if (m.is_through()) cut_halves_[f] |= across;
+      if (m.is_through()) is_crossed_through_[f] = true;
     }
     equal_jumps = equal_jumps && jump[0] == jump[1];
     opposite_jumps = opposite_jumps && jump[0] == -jump[1];
@@ -175,7 +180,8 @@ bool Shells::may_be_between(FacetId f, FacetId neighbor, Sides half, bool is_con
     if (!may_be_in_wedge) continue;
     const Triangle t = triangle(m.other);
     const geometry::PlaneSides plane(t.v0, t.v1, t.v2);
-    // It contains a part of the edge, or is elsewhere in a plane through it.
+    // It contains a part of the edge, or is elsewhere in a plane through it. What contains a part of the edge meets f,
+    // as no other triangle shares the edge by ids.
     if (plane.of(edge.p0) == 0 && plane.of(edge.p1) == 0) return true;
   }
   return false;
@@ -215,9 +221,10 @@ void Shells::look_into_shells() {
     if (is_degenerate_[f]) continue;
     for (const Sides half : {in_front, behind}) {
       const std::size_t i = half_facet(f, half);
-      const bool is_cut = (cut_halves_[f] & half) != 0, represents_its_shell = shells_.find(i) == i;
-      if (!is_cut && !represents_its_shell) continue;
-      // The probe at corner 0 finds the piece there. The other pieces are found along cuts.
+      const bool represents_its_shell = shells_.find(i) == i;
+      if (!represents_its_shell) continue;
+      // Of a half-facet that is crossed this is the piece at corner 0. Cuts lead to it, too, but this often ends the
+      // search.
       const Triangle t = triangle(f);
       cells_.look(CornerProbe(t, 0, *direction_off(t, half == in_front ? 1 : -1)));
     }
@@ -236,12 +243,13 @@ void Shells::look_along_cuts() {
 
 void Shells::look_along_cut(FacetId f, const Meeting& cutter) {
   const FacetId x = cutter.other;
-  const bool is_x_cut = (cut_halves_[x] & (in_front | behind)) != 0;
-  if (!is_x_cut || is_looked_into_before(x, f)) return;
+  // By point 5 of *Where to look*: if nothing crosses x, its shell is found; if x comes before f, then f is not the
+  // first on the border of any cell beside this cut.
+  if (cut_halves_[x] == 0 || is_looked_into_before(x, f)) return;
   Cut cut(triangle(f), side_of(f), triangle(x), side_of(x));
   add_crossers(cut, f, x);
-  if (!cutter.is_through()) return cut.look(cells_, (cutter.sides & in_front) != 0 ? 1 : -1);
-  if (!cut.is_shared()) return cut.look_everywhere(cells_);
+  if (!cutter.is_through()) return cut.look(cells_, (cutter.sides & in_front) != 0 ? 1 : -1);  // x ends at f
+  if (!cut.is_shared()) return cut.look_everywhere(cells_);                                    // all wedges, by one ray
   // Another facet may divide each of the four wedges, so that it needs a line next to f and one next to x.
   for (const int side : {1, -1}) cut.look(cells_, side);
   Cut turned(triangle(x), side_of(x), triangle(f), side_of(f));

@@ -106,8 +106,7 @@ class Shells {
   /// Whether x comes before f in the order in which cuts are looked into, of *Where to look*, 5, in solids.md: those
   /// crossed from side to side first.
   bool is_looked_into_before(FacetId x, FacetId f) const {
-    const Sides of_x = cut_halves_[x] & across, of_f = cut_halves_[f] & across;
-    return of_x != of_f ? of_x != 0 : x < f;
+    return is_crossed_through_[x] != is_crossed_through_[f] ? is_crossed_through_[x] : x < f;
   }
   /// Looks into the cells beside the cut of two facets on each side of f where the cutter lies, unless 5 leaves it out.
   void look_along_cut(FacetId f, const Meeting& cutter);
@@ -117,9 +116,10 @@ class Shells {
   Cells& cells_;
   FacetId count_of_a_, count_;
   mesh::VertexLists<Meeting> meetings_;  // of each facet, in the order of the others
-  // Of each facet: whether it has no area; whether one with the same corners comes before it; its half-facets that
-  // others cross, and `across` if another one crosses it from side to side.
-  std::vector<bool> is_degenerate_ = std::vector<bool>(count_), is_copy_ = std::vector<bool>(count_);
+  // Of each facet: whether it has no area; whether one with the same corners comes before it; whether another one
+  // crosses it from side to side; and its half-facets that others cross, in_front and behind.
+  std::vector<bool> is_degenerate_ = std::vector<bool>(count_), is_copy_ = is_degenerate_,
+                    is_crossed_through_ = is_degenerate_;
   std::vector<Sides> cut_halves_ = std::vector<Sides>(count_);
   DisjointSets shells_;  // of half-facets
 };
