@@ -11,7 +11,7 @@ namespace limber::base {
 
 // --- rounding of float32; a constant that float64 code uses is a double ---
 
-/// Relative error of a squared length formed by at most ten operations; then as factors.
+/// Relative error of a squared length formed by at most ten operations; and factors that cover it, upward and downward.
 inline constexpr float squared_error = 0x1p-20F;
 inline constexpr float squares_up = 1 + squared_error, squares_down = 1 - squared_error;
 /// Error of |v|^2 - (n . v)^2, the squared length of the part of v across a stored normal n, as a part of |v|^2.
@@ -21,7 +21,7 @@ inline constexpr float sine_error = 0.0016F;
 
 /// What projecting a node or a direction changes a length by, as a part of the magnitudes involved: some 20 u32.
 inline constexpr float projection_error = 0x1p-19F;
-/// The same of comparing a node or a leaf with a point: at most 10 u32.
+/// What comparing a node or a leaf with a point changes a length by, as a part of the magnitudes involved: <= 10 u32.
 inline constexpr float point_error = 0x1p-20F;
 
 /// What placing a corner relative to another, and the few operations that follow, change a length by, as a part of the
@@ -31,7 +31,8 @@ inline constexpr float corner_error = 0x1p-21F;
 inline constexpr float smallest_corner_error = 0x1p-60F;
 /// What quantization moves a corner by, in steps: a coordinate by at most 0.52, so a corner by sqrt(3) * 0.52.
 inline constexpr double quantization_error = 0.91;
-/// The same of a coordinate of the difference of two corners, and of a few operations with it: 2 * 0.52 and 0.02.
+/// What quantization and a few operations change a coordinate of the difference of two corners by, in steps: 2 * 0.52
+/// and 0.02 make 1.06; 0.02 are room.
 inline constexpr float corner_difference_error = 1.08F;
 
 /// What rounding changes the cross product of two vectors in a plane by, as a part of s s': these are differences of
@@ -62,7 +63,7 @@ inline constexpr double relative_position_error = 0x1p-51;
 
 /// Covers the rounding of lengths, of sums of a few of them, and of everything computed while bounds are fitted.
 inline constexpr double outward = 1 + 0x1p-40;
-/// The same for lower bounds.
+/// Covers in lower bounds what `outward` covers in upper ones.
 inline constexpr double inward = 1 - 0x1p-40;
 /// Covers the rounding of one addition in a sum of many; and of what is added, if that is the root of a squared length.
 inline constexpr double sum_up = 1 + 0x1p-50;
@@ -101,8 +102,8 @@ inline constexpr double gap_error = 0x1p-47;
 /// What rounding usually makes of the gap of a pair with the same closest features as the best one, as a part of the
 /// extent. No bound: pairs whose gap is off by more are compared, which costs time only.
 inline constexpr double usual_gap_error = 0x1p-51;
-/// The same before triangles are placed, as a part of local_gap_error.
-inline constexpr double usual_part = 0x1p-3;
+/// What rounding usually makes of such a gap before triangles are placed, as a part of local_gap_error. No bound.
+inline constexpr double usual_local_gap_part = 0x1p-3;
 /// Rounding of this part of the distance may decide which of many pairs that are equally close is the answer.
 inline constexpr double tie_error = 0x1p-45;
 

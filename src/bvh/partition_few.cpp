@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The surface area heuristic over the medians along the axes and of the sizes; see partition_few().
+// Splits few primitives down to leaves. A range is split at a median along an axis or of the sizes of boxes: the one of
+// least cost by the surface area heuristic; see partition_few().
 #include "bvh/partition.h"
 
 #include <algorithm>
@@ -17,10 +18,10 @@ namespace limber::bvh {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-
 using simd::BoxRow;
 
-/// The sides of a box. Kernels find the least of each number, so a BoxRow is the least corner, and minus the greatest.
+/// The sides of a box. A BoxRow is low.x, low.y, low.z, -, -high.x, -high.y, -high.z, -: so the row of a box around
+/// others is the minimum of their rows, number by number.
 std::array<float, 3> sides_of(const BoxRow& box) {
   const auto side = [&](int axis) { return -box.least[4 + axis] - box.least[axis]; };
   return {side(0), side(1), side(2)};
@@ -117,6 +118,7 @@ class FewPrimitives {
     Few<T> others;
     std::size_t to = begin, other_count = 0;
     for (std::size_t i = begin; i < end; ++i, which >>= 1) {
+      // Both are written, so that there is no branch. As to <= i, all[to] has been read.
       others[other_count] = all[i];
       all[to] = all[i];
       to += which & 1, other_count += 1 - (which & 1);

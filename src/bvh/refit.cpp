@@ -10,8 +10,8 @@
 // 2. merge_slots(): another kernel merges the slots of a higher node into a volume around them.
 // 3. store() puts either volume into the slot of the parent that stands for the node.
 //
-// fit_upper_node() does so for the children of one node, fit_whole_tree() for all nodes. refit_node() does so for one
-// dirty node; if the slot in its parent has changed, the parent is dirty next.
+// fit_upper_node() does so for the children of one node, and thereby sets all of its slots; fit_whole_tree() for all
+// nodes. refit_node() does so for one dirty node; if the slot in its parent has changed, the parent is dirty next.
 //
 // Node 0, the header, has one slot, the root slot, for the whole mesh; the child in it is node 1, the top node
 // (bvh/tree.h). Slots below which all triangles coincide are marked: any one triangle answers for all of them.
@@ -34,8 +34,6 @@
 
 namespace limber::bvh {
 namespace {
-
-using base::outward;
 
 // Fewer nodes are not worth a task: a guess, on which no answer depends.
 constexpr std::size_t nodes_per_task = 16;
@@ -66,9 +64,9 @@ Volume volume_of_slot(const Node& node, std::uint32_t k) {
   return {local_slot_center(node, k), half, n.radius[k], normal, n.low[k], n.high[k]};
 }
 
-/// A smaller radius for `whole`, the volume around the top node: fitted to the slots of the top node's children. The
-/// one that merge_slots() fits to the top node's own slots is a quarter too large on a model that is a ball. That
-/// matters because many queries end at the root slots of the two models.
+/// The radius of the root slot: that of a sphere about the center of `whole` around the slots of the top node's
+/// children, or that of `whole` if it is smaller. `whole`, which is fitted to the top node's own slots, has a radius a
+/// quarter too large on a model that is a ball. That matters because many queries end at the root slots of two models.
 double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
   double radius = 0;
   for (std::uint32_t k = 0; k < top.child_count; ++k) {
@@ -81,10 +79,11 @@ double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
     }
   }
   // Two kinds of rounding in float64. That of `radius` is in proportion to it: a factor. That of `shift` and of the
-  // centers is in proportion to their lengths. These are at most that of whole.center, and on each of up to 10 levels
-  // 64 radii (tolerated_origin_distance) of at most sqrt(3) halves: 1100. `outward` has room for 2^13 = 8192 roundings.
-  const double rounding = (outward - 1) * (max_abs(whole.center) + max_abs(whole.half));
-  return std::min(whole.radius, radius * outward + rounding);
+  // centers is in proportion to their lengths. These are at most that of whole.center plus the distances of origins,
+  // which are at most 64 radii (tolerated_origin_distance) on each of up to 10 levels. A radius is at most sqrt(3)
+  // halves: 10 * 64 * sqrt(3) < 1109 halves altogether. `outward` has room for 2^13 = 8192 roundings.
+  const double rounding = (base::outward - 1) * (max_abs(whole.center) + max_abs(whole.half));
+  return std::min(whole.radius, radius * base::outward + rounding);
 }
 
 /// Stores a volume, which is relative to `origin`, in a slot of a node, rounded outward.
@@ -96,7 +95,7 @@ void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& vol
   // half extent changes by more.
   const Vec3 off = center - stored;
   const double shift =
-      (std::abs(off.x) + std::abs(off.y) + std::abs(off.z)) * outward + max_abs(offset) * base::offset_error;
+      (std::abs(off.x) + std::abs(off.y) + std::abs(off.z)) * base::outward + max_abs(offset) * base::offset_error;
   // At least x + shift, after rounding to float32.
   const auto grown = [&](double x) {
     return static_cast<float>(x + shift + (std::abs(x) + shift) * base::storage_error);
@@ -122,7 +121,7 @@ void set_radius(Node& node) {
   for (std::uint32_t k = 0; k < node.child_count; ++k) {
     radius = std::max(radius, length(local_slot_center(node, k)) + static_cast<double>(node.bounds.radius[k]));
   }
-  node.radius = base::float_up(radius * outward);
+  node.radius = base::float_up(radius * base::outward);
 }
 
 /// The unit that suits a model with the bounds that the tree has now.
@@ -168,9 +167,9 @@ class Refitter {
   }
 
   /// Refits dirty node `i`, below which corners or slots have changed. The slots of a lowest node are fitted to its
-  /// leaves. Those of a higher node have been stored when its children were refitted, but all are fitted again if the
-  /// node needs another origin. Then the parent's slot for the node is stored. Returns whether the parent is dirty now;
-  /// false for the header, which has no parent.
+  /// leaves. Those of a higher node were stored when its children were refitted; if it needs another origin,
+  /// fit_upper_node() stores all of them again, for which it fits children on the lowest level once more. Then the
+  /// parent's slot for the node is stored. Returns whether the parent is dirty now; the header has none: false.
   bool refit_node(std::uint32_t i) {
     const bool node_is_lowest = is_lowest(i);
     Node& node = tree_.nodes[i];
@@ -180,7 +179,7 @@ class Refitter {
       set_radius(node);
     }
     const Volume volume = node_is_lowest ? fit_lowest_node(node, leaves_of(node)) : merge_slots(node);
-    if (i == 0) return false;
+    if (i == 0) return false;  // no slot stands for the header; where it is the lowest node, it is fitted now
     Node& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
     const Volume before = volume_of_slot(parent, slot);
@@ -190,7 +189,7 @@ class Refitter {
     mark_coincident(parent, slot, is_coincident);
     // The radius of the root slot depends on the slots of the top node's children themselves.
     const bool counts_for_root_radius = &parent == top_node();
-    // Triangles may move less than their volume shows, and yet coincide no longer, or now, with those of other slots.
+    // Triangles may move by too little to change their volume, and yet begin or cease to coincide with those elsewhere.
     const bool may_change_marks = was_coincident || is_coincident;
     return before != volume_of_slot(parent, slot) || counts_for_root_radius || may_change_marks;
   }
@@ -209,9 +208,9 @@ class Refitter {
     }
   }
 
-  /// Gives the tree another unit if the model has become far larger or smaller than the present one. Returns whether it
-  /// has: then all has to be fitted. Bounds tell that the unit is off by 2^20 or more, but not by how much, as they are
-  /// enlarged by 2^-60 units (base::smallest_corner_error), maybe far more than the model. So vertices are measured.
+  /// Gives the tree another unit if the present one is off by more than `unit_ratio_until_fit`. Returns whether it has:
+  /// then all has to be fitted. Bounds tell that the unit is off, but not by how much. They are enlarged by 2^-60
+  /// units (base::smallest_corner_error), maybe far more than the model's size. So vertices are measured.
   bool change_unit_if_unfit(MeshView mesh) {
     if (has_unit_within(tree_, unit_ratio_until_fit)) return false;
     const double before = std::exchange(tree_.unit, bounding_box_of(mesh).unit());
@@ -239,7 +238,8 @@ class Refitter {
     node.coincident_slots = (node.coincident_slots & ~(1U << slot)) | (coincides ? 1U << slot : 0U);
   }
 
-  /// Whether all triangles below a node have equal corners, in order. The marks of the node's own slots must be right.
+  /// Whether all triangles below a node have the same three positions, corner by corner: then the parent's slot for the
+  /// node is marked. Pre: the node is fitted, and the marks of its own slots are right.
   bool all_coincide(const Node& node, bool node_is_lowest) const {
     if (node_is_lowest) {
       // A cheap test that nearly always says no: quantized x of corner 0 in the first leaf, equal for equal corners.
@@ -249,10 +249,11 @@ class Refitter {
       return false;
     }
     // All triangles of a lowest node are compared; above, one stands for each slot, as all slots are marked coincident.
+    const std::uint32_t compared = node_is_lowest ? width : 1;
     const auto& first = tree_.leaves[first_leaf_below(node, 0, node_is_lowest)].vertices[0];
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       const Leaf& leaf = tree_.leaves[first_leaf_below(node, k, node_is_lowest)];
-      for (std::uint32_t j = 0; j < (node_is_lowest ? width : 1); ++j) {
+      for (std::uint32_t j = 0; j < compared; ++j) {
         for (std::size_t c = 0; c < 3; ++c) {
           if (positions_[leaf.vertices[j][c]] != positions_[first[c]]) return false;
         }

@@ -105,7 +105,8 @@ class DirtySet {
   void add_node(std::size_t level, std::uint32_t node) {
     if (state_[node] == State::dirty) return;
     state_[node] = State::dirty;
-    append(dirty_[level], node);
+    LIMBER_ASSERT(dirty_[level].size() < dirty_[level].capacity());
+    dirty_[level].push_back(node);
   }
 
   /// Whether so much is dirty that it is cheaper to fit the whole tree.
@@ -137,11 +138,6 @@ class DirtySet {
     }
   }
 
-  static void append(std::vector<std::uint32_t>& list, std::uint32_t node) {
-    LIMBER_ASSERT(list.size() < list.capacity());
-    list.push_back(node);
-  }
-
   VertexIndex index_;
   std::vector<State> state_;                       // by node
   std::vector<std::vector<std::uint32_t>> dirty_;  // by level
@@ -152,14 +148,12 @@ class DirtySet {
   std::size_t marked_ = 0;
 };
 
-/// Costs of refits, in ns. Only the ratios matter, and those are much the same on all machines.
-
-/// In a commit: the refit of a dirty node, and that of each node where the whole tree is fitted
-/// (docs/design/deforming.md).
+/// Costs of refits in a commit, in ns: of a dirty node, and of each node where the whole tree is fitted. Only ratios
+/// matter, and those are much the same on all machines (docs/design/deforming.md).
 inline constexpr double ns_per_refit = 330, ns_per_refit_in_pass = 225;
 
-/// In a rebuild, which does them one by one, so that nothing is prefetched: the refit of a node on the lowest level,
-/// and of one above (docs/design/real_time.md).
+/// Costs of refits in a rebuild, in ns, which does them one by one, so that nothing is prefetched: of a node on the
+/// lowest level, and of one above (docs/design/real_time.md).
 inline constexpr double ns_per_lowest_node = 600, ns_per_upper_node = 200;
 
 /// Refits the dirty nodes, and the nodes above them as long as bounds change; or fits the whole tree where that is

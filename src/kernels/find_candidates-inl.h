@@ -13,9 +13,12 @@
 //    removes neighbors that certainly meet nowhere else than in what they share.
 // 4. The pairs that are left, one in each lane, are compared along the line of centroids and both triangles' normals.
 //
-// Other cross products of edges are left to the float64 routines. With `wants_pruned_bound` each step also finds a
-// lower bound of the gaps of the pairs that it prunes. A mask of pairs has bit width * i + k for slot i of a and slot k
-// of b.
+// Other cross products of edges are left to the float64 routines. A mask of pairs has bit width * i + k for slot i of a
+// and slot k of b.
+//
+// With `wants_pruned_bound` each step also finds a lower bound of the gaps of the pairs that it prunes:
+//   excess                 step 2: how much more than the prune distance the gaps are. Errors are subtracted already.
+//   pruned_sq, bound_sq    steps 3 and 4: squared gaps. Errors are subtracted at the end of find_candidates_of() only.
 
 #if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H
@@ -44,7 +47,6 @@ namespace {
 // length of 0 would prune everything, as 0 >= 0. From this length on nothing underflows: limits are at least 2^-17
 // (leaf_pair_error), so squared gaps that prune are above 2^-34 * 1e-20 = 6e-31, and float32 is normal from 1.2e-38 on.
 inline constexpr float smallest_direction_sq = 1e-20F;
-
 inline constexpr float infinite = std::numeric_limits<float>::infinity();
 
 /// The interval that three numbers, one for each corner, span.
@@ -65,10 +67,8 @@ LIMBER_KERNEL Mask is_pruned(Packet gap_w_sq, Packet w_sq, Packet limit_sq) {
 }
 
 /// Compares a pair of triangles in each lane, along the line of centroids and both normals. Returns the `wanted` lanes
-/// that are not pruned.
-///
-/// `bound_sq` becomes the squared lower bound, from which errors are not yet subtracted, of each returned lane; with
-/// `wants_pruned_bound` that of pruned lanes too. Other lanes mean nothing.
+/// that are not pruned. `bound_sq` becomes the squared lower bound of each returned lane; with `wants_pruned_bound` of
+/// pruned lanes too. Other lanes mean nothing.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3], Packet limit_sq, unsigned wanted,
                                      Packet& bound_sq) {
@@ -81,6 +81,7 @@ LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3
   const Mask pruned_by_line_mask = is_pruned(line_gap_sq, line_sq, limit_sq);
   if constexpr (wants_pruned_bound) bound_sq = line_gap_sq / max(line_sq, smallest_sq);
   unsigned kept = wanted & ~bits(pruned_by_line_mask);
+  // A lane that the line prunes keeps this bound, below too: results must not depend on the number of lanes.
   if (kept == 0) return 0;
   // Along the normals, from a corner of a so that the numbers are small.
   const Packet3 e1 = a[1] - a[0], e2 = a[2] - a[0], to_b[3] = {b[0] - a[0], b[1] - a[0], b[2] - a[0]};
@@ -94,8 +95,6 @@ LIMBER_KERNEL unsigned compare_pairs(const Packet3 (&a)[3], const Packet3 (&b)[3
   kept &= ~(bits(is_pruned(a_gap_sq, a_sq, limit_sq)) | bits(is_pruned(b_gap_sq, b_sq, limit_sq)));
   const Packet best_sq = max(max(line_gap_sq / max(line_sq, smallest_sq), a_gap_sq / max(a_sq, smallest_sq)),
                              b_gap_sq / max(b_sq, smallest_sq));
-  // A lane that the line has pruned keeps the bound along it, as if `kept` had been 0 above: results must not depend on
-  // the number of lanes.
   bound_sq = wants_pruned_bound ? select(pruned_by_line_mask, bound_sq, best_sq) : best_sq;
   return kept;
 }
@@ -111,7 +110,7 @@ LIMBER_KERNEL float smallest_lane(Packet p) {
 /// The support of a triangle is how far it extends along the direction towards the other leaf. So the gap of a pair is
 /// the distance of the leaves' centers along the direction, less both supports. That is at least the prune distance and
 /// all errors where the sum of the supports is at most ProjectedLeaves::pruned_support. With `wants_pruned_bound`,
-/// `excess` becomes a lower bound of how much the gaps of all pruned pairs exceed the prune distance.
+/// `excess` becomes a lower bound of how much the gap of each pruned pair exceeds the prune distance.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& a, const bvh::QuantizedTriangles& b,
                                                  const ProjectedLeaves& pair, const PruneLimits& pruning,
@@ -155,8 +154,8 @@ LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
   return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
 }
 
-/// The pairs for which keeps() says so, a mask; it is called with the gaps of the bounding boxes of all pairs along the
-/// three axes, negative where they overlap.
+/// The pairs that keeps() accepts. It is called with the gaps of the bounding boxes of some pairs, one in each lane,
+/// along the three axes, negative where they overlap, and returns a mask.
 template <typename Keeps>
 LIMBER_KERNEL std::uint64_t kept_by_gaps(const LeafCorners& a, const LeafCorners& b, const Keeps& keeps) {
   Boxes boxes_a, boxes_b;
@@ -174,8 +173,8 @@ LIMBER_KERNEL std::uint64_t kept_by_gaps(const LeafCorners& a, const LeafCorners
   return wanted;
 }
 
-/// The pairs whose bounding boxes are closer than the limit. With `wants_pruned_bound`, `pruned_sq` becomes the least
-/// squared distance of the boxes of the other pairs.
+/// The pairs whose bounding boxes are closer than the limit. With `wants_pruned_bound`, lowers `pruned_sq` to the
+/// squared distance of the boxes of each other pair.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_by_boxes(const LeafCorners& a, const LeafCorners& b, Packet limit_sq,
                                           float& pruned_sq) {
@@ -187,7 +186,7 @@ LIMBER_KERNEL std::uint64_t kept_by_boxes(const LeafCorners& a, const LeafCorner
     if constexpr (wants_pruned_bound) least = min(least, select(wanted_mask, most, distance_sq));
     return wanted_mask;
   });
-  if constexpr (wants_pruned_bound) pruned_sq = smallest_lane(least);
+  if constexpr (wants_pruned_bound) pruned_sq = std::min(pruned_sq, smallest_lane(least));
   return wanted;
 }
 
@@ -226,8 +225,8 @@ LIMBER_KERNEL void find_spans(const LeafCorners& c, const Packet3& along, Spans&
 }
 
 /// The `wanted` pairs that are not pruned along the cross product of two edges, the longest of the first wanted pair.
-/// Tubes of long thin triangles that pass each other are apart in this direction. With `wants_pruned_bound`,
-/// `pruned_sq` becomes at most the squared gap of each pair pruned here. Pre: a pair is wanted.
+/// Tubes of long thin triangles that pass each other are apart in this direction. With `wants_pruned_bound`, lowers
+/// `pruned_sq` to the squared gap of each pair pruned here. Pre: a pair is wanted.
 template <bool wants_pruned_bound>
 LIMBER_KERNEL std::uint64_t kept_across_edges(const LeafCorners& a, const LeafCorners& b, float limit,
                                               std::uint64_t wanted, float& pruned_sq) {
@@ -313,7 +312,7 @@ LIMBER_KERNEL void find_candidates_of(const SlotRef& a, const SlotRef& b, const 
   if (pruning.has_direction) {
     float excess = 0;
     wanted &= kept_along_direction<wants_pruned_bound>(*a.triangles, *b.triangles, pair, pruning, excess);
-    // No error is subtracted: pair.pruned_support contains them all. The factor covers the sum's rounding.
+    // The factor covers the sum's rounding.
     if constexpr (wants_pruned_bound) candidates.pruned_bound = (pair.prune_distance + excess) * base::squares_down;
     if (wanted == 0) return;
   }
@@ -329,8 +328,8 @@ LIMBER_KERNEL void find_candidates_of(const SlotRef& a, const SlotRef& b, const 
 
   const float limit = pair.prune_distance + pair.error;
   const Packet limit_sq = Packet::set(limit * limit * base::squares_up);
-  // With a limit above the size of both leaves boxes prune next to nothing.
   float pruned_sq = infinite;
+  // Above the size of both leaves boxes prune next to nothing: they are skipped, and so is kept_across_edges().
   if (limit < (pair.step_a + pair.step_b) * bvh::max_quantized) {
     wanted &= is_self ? kept_along_axes(ca, cb, Packet::set(limit * base::squares_up))
                       : kept_by_boxes<wants_pruned_bound>(ca, cb, limit_sq, pruned_sq);
@@ -369,7 +368,6 @@ LIMBER_KERNEL void find_candidates_of(const SlotRef& a, const SlotRef& b, const 
     }
   }
   if constexpr (wants_pruned_bound) {
-    // pruned_sq is of gaps of boxes, across edges, and of compare_pairs(). Errors were not subtracted: here they are.
     candidates.pruned_bound = std::min(candidates.pruned_bound, std::sqrt(pruned_sq * base::squares_down) - pair.error);
   }
 }

@@ -69,7 +69,7 @@ struct PairList {
   alignas(64) std::uint8_t pair[width * width + width];
   std::uint32_t count = 0;
 
-  /// Appends the pairs whose bits are set: bit width * i + j is triangle i of the first leaf and j of the second.
+  /// Appends the pairs whose bits are set: bit width * i + k is slot i of the first leaf and slot k of the second.
   LIMBER_KERNEL void add(std::uint64_t pairs) {
     std::uint32_t n = count;  // a local variable: bytes that are written could be any other
     for (std::uint32_t row = 0; row < width; ++row, pairs >>= width) {
@@ -115,8 +115,9 @@ struct SelfLeaf {
 
 /// Which corners of two triangles are the same vertex.
 struct SharedCorners {
-  Mask a[3], b[3];                // corner k of one is a corner of the other
-  unsigned one_lanes, two_lanes;  // one corner is shared; two are. Both bits are set where three are
+  Mask a[3], b[3];     // corner k of one is a corner of the other
+  unsigned one_lanes;  // an odd number of corners of each is shared: one, or three
+  unsigned two_lanes;  // most corners of each are shared: two, or three
 };
 
 LIMBER_KERNEL SharedCorners shared_corners(const SelfLeaf& a, const Slots& in_a, const SelfLeaf& b, const Slots& in_b) {
@@ -131,13 +132,14 @@ LIMBER_KERNEL SharedCorners shared_corners(const SelfLeaf& a, const Slots& in_a,
     s.a[k] = same[k][0] | same[k][1] | same[k][2];
     s.b[k] = same[0][k] | same[1][k] | same[2][k];
   }
-  // Of three shared corners, which are odd and several, both say yes. Whatever the tests below say is right: triangles
-  // with equal corners have nothing in common but what they share. Where a triangle names a vertex more than once, the
-  // edge between these corners has no length, so it proves nothing.
+  // Parity and majority. Where three corners are shared both bits are set, and whatever the tests below say is right:
+  // triangles with equal corners have nothing in common but what they share. A triangle may name a vertex more than
+  // once. {5, 5, 6} next to {5, 7, 8} shares two corners of the one and one of the other: neither bit is set, and the
+  // pair is kept. Next to {5, 5, 7} it shares an edge that has no length, so it proves nothing.
   const auto odd_mask = [](const Mask(&of)[3]) { return of[0] ^ of[1] ^ of[2]; };
-  const auto several_mask = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
+  const auto most_mask = [](const Mask(&of)[3]) { return (of[0] & of[1]) | ((of[0] ^ of[1]) & of[2]); };
   s.one_lanes = bits(odd_mask(s.a) & odd_mask(s.b));
-  s.two_lanes = bits(several_mask(s.a) & several_mask(s.b));
+  s.two_lanes = bits(most_mask(s.a) & most_mask(s.b));
   return s;
 }
 
@@ -194,18 +196,18 @@ LIMBER_KERNEL unsigned separated_by_line(const SharedCorners& shared, const Sect
   const auto turn = [](const Sector& p, int i, const Sector& q, int j) { return p.x[i] * q.y[j] - p.y[i] * q.x[j]; };
   const Packet turn_a = turn(a, 0, a, 1), turn_b = turn(b, 0, b, 1);
   const Packet t00 = turn(a, 0, b, 0), t01 = turn(a, 0, b, 1), t10 = turn(a, 1, b, 0), t11 = turn(a, 1, b, 1);
-  // Positive: left of the edge of a, if a turns left from a0 to a1; and the same of b.
+  // a_ij is a_i x b_j, mirrored so that a turns left from a0 to a1: > 0 means that b_j is left of a_i. b_ij is the same
+  // product, mirrored so that b turns left: > 0 means that a_i is right of b_j.
   const Packet a00 = flipped_as(t00, turn_a), a01 = flipped_as(t01, turn_a), a10 = flipped_as(t10, turn_a),
                a11 = flipped_as(t11, turn_a);
   const Packet b00 = flipped_as(t00, turn_b), b01 = flipped_as(t01, turn_b), b10 = flipped_as(t10, turn_b),
                b11 = flipped_as(t11, turn_b);
   const Mask a_turns_mask = abs(turn_a) > error.aa, b_turns_mask = abs(turn_b) > error.bb;
-  // How far b0 and b1 are to the right of a0, or to the left of a1. And how far a0 and a1 are to the right of b0, which
-  // is then to the left of them, or to the left of b1.
+  // How far b0 and b1 are right of a0, or left of a1. And how far a0 and a1 are right of b0, or left of b1.
   const Packet beyond_a = max(zero() - max(a00, a01), min(a10, a11));
   const Packet beyond_b = max(min(b00, b10), zero() - max(b01, b11));
   const Mask one_mask = (a_turns_mask & (beyond_a > error.ab)) | (b_turns_mask & (beyond_b > error.ab));
-  // a0 is the shared edge: a1 is to the left of it, b1 to the right.
+  // a0 is the shared edge: a1 is left of it, since a turns left, and b1 right.
   const Mask two_mask = a_turns_mask & (zero() - a01 > error.ab);
   return (bits(one_mask) & shared.one_lanes) | (bits(two_mask) & shared.two_lanes);
 }
@@ -217,8 +219,8 @@ struct CornerError {
 
 /// Lanes in which a plane through the one shared corner separates the triangles.
 ///
-/// The plane is across the sum of the edges of b from that corner less those of a. Whatever it is: if the other corners
-/// are on different sides of it, strictly, the triangles have only the shared corner in common.
+/// The plane is perpendicular to m, the sum of b's edges from that corner less those of a. Any plane would do: if the
+/// other corners are on different sides of it, strictly, the triangles have only the shared corner in common.
 LIMBER_KERNEL unsigned separated_at_corner(const SharedCorners& shared, const Packet3 (&a)[3], const Packet3 (&b)[3],
                                            const CornerError& error_a, const CornerError& error_b) {
   const Packet3 at_a = select(shared.a[0], a[0], select(shared.a[1], a[1], a[2]));
@@ -298,7 +300,7 @@ LIMBER_KERNEL unsigned separated_by_plane(const SharedCorners& shared, const Pac
 }
 
 /// Removes those pairs from a list that share one vertex or one edge and certainly have nothing else in common. Those
-/// that share vertices and are kept go to its end. Lines are tried in the plane of two axes: any two are right.
+/// that the tests treat as neighbors but keep go to its end. Lines are tried in the plane of two axes: any are right.
 LIMBER_KERNEL void remove_separated_neighbors(const SelfLeaf& a, const SelfLeaf& b, const int (&axes)[2],
                                               PairList& pairs) {
   // Coordinates of differences are at most twice the extent.

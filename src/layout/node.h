@@ -18,8 +18,8 @@ namespace limber::bvh {
 /// Child slots of a node, and triangle slots of a leaf.
 inline constexpr std::uint32_t width = 8;
 
-/// A mask of pairs of slots: bit 8 k + i stands for slots k and i. Set are the pairs whose second slot is after the
-/// first, so that a node or leaf is compared with itself without repeats.
+/// A mask of pairs of slots: bit width * i + k stands for slots i and k, so byte i for slot i. Set are the pairs with
+/// k > i, from 0xfe in the lowest byte on, so that a node or leaf is compared with itself without repeats.
 inline constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
 
 /// Bounding volumes of the children of a node, one child slot each. A volume is the intersection of a sphere, an
@@ -36,7 +36,7 @@ static_assert(sizeof(ChildBounds) == 12 * 4 * width);
 
 /// Corners of the triangles of a leaf as fractions of the radius of its sphere: p = center + q * step, where step is
 /// radius / max_quantized. A coordinate is off by at most 0.52 steps: half a step, and float32 (invariant I5 of
-/// bvh/tree.h). corner[3 * k + axis] holds coordinate `axis` of corner k.
+/// bvh/tree.h). corner[3 * c + axis][slot] holds coordinate `axis` of corner c.
 struct alignas(16) QuantizedTriangles {
   std::int16_t corner[9][width];  // 144 bytes
 };
@@ -51,7 +51,7 @@ struct alignas(64) Node {
   std::uint32_t first_child;       //   4         slot k holds node first_child + k; on the lowest level that leaf
   std::uint32_t child_count;       //   4         slots in use, the first ones
   std::uint32_t parent;            //   4         slot whose child this is, 8 * node + slot; the header, node 0, has 0
-  std::uint32_t coincident_slots;  //   4         bit mask: slots below which all triangles have equal corners, in order
+  std::uint32_t coincident_slots;  //   4         mask: all triangles below have the same positions, corner by corner
 };
 static_assert(sizeof(Node) == 448);
 

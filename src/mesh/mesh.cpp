@@ -46,8 +46,7 @@ std::uint64_t hash_of_edge(VertexId v, VertexId w) {
 }
 
 /// Whether each edge is run through as often in one direction as in the other; one from a vertex to itself does not
-/// count. Never wrong about triangles of which that holds; about others with a probability of 2^-64, if hashes are as
-/// good as random.
+/// count. No false negatives; false positives with probability 2^-64, if hashes are as good as random.
 ///
 /// Based on  the boundary of a chain of triangles: the sum of their directed edges, in which opposite ones cancel.
 /// Differs   Edges are replaced by 64-bit hashes, so that the sum is a number: 0 if the boundary is, and otherwise as
@@ -65,7 +64,8 @@ simd::Displacement displacements(std::span<const Vec3> from, std::span<const Vec
   return simd::kernels().max_displacement(from.data(), to.data(), to.size(), max_coordinate);
 }
 
-/// Whether all positions are finite and within the limit: the kernel says so of where displacements end.
+/// Whether all positions are finite and within the limit. The kernel says so of the ends of displacements; here each
+/// position is the end of its displacement from itself.
 bool are_valid(std::span<const Vec3> positions) { return displacements(positions, positions).is_bounded; }
 
 /// Errors name the i-th position as `before`, i, `after`.
@@ -238,8 +238,8 @@ Weld weld(std::span<const Vec3> positions) {
     const Vec3 &p = positions[a], &q = positions[b];
     return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
   });
-  std::vector<VertexId> before(
-      positions.size());  // the vertex before it at the same position; itself if it is the first
+  // For each vertex the one before it at the same position; itself if it is the first.
+  std::vector<VertexId> before(positions.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool is_first = i == 0 || positions[order[i]] != positions[order[i - 1]];
     before[order[i]] = is_first ? order[i] : order[i - 1];

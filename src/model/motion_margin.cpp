@@ -46,7 +46,7 @@ void MotionMargin::mark_everything(const Mesh& mesh, bvh::DirtySet& dirty) {
 void MotionMargin::mark_beyond(const Mesh& mesh, std::span<const VertexId> ids, double margin, bvh::DirtySet& dirty) {
   for (const VertexId id : ids) {
     const double distance_sq = floored_distance_sq(mesh.positions()[id], fitted_[id]);
-    if (distance_sq > margin * margin) {  // all vertices that have moved if the square underflows, which is safe
+    if (distance_sq > margin * margin) {  // any that has moved if the margin's square underflows: safe
       mark(mesh, id, dirty);
       continue;
     }

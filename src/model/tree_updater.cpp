@@ -1,35 +1,38 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Moves only note what has to be done: dirty nodes and displacements. With a motion margin they also decide which
-// vertices stay within it; the lowest nodes of one beyond it become dirty. A commit does the rest:
-//   1. check_margin()   looks at the margin of all vertices, if necessary;
+// Moves only note what has to be done: displacements, and which nodes are dirty:
+//
+//                                without a motion margin             with one
+//   move()                       the lowest nodes of its vertices    those of its vertices beyond the margin
+//     no memory for the index    all nodes                           all nodes
+//     of very many vertices      all nodes                           as above
+//   move_all()                   all nodes                           the lowest nodes of vertices beyond the margin
+//   rebuild_all(), a new unit    all nodes                           all nodes
+//
+// A commit does the rest:
+//   1. check_margin()   marks all vertices beyond the margin, if that has changed or slack may be far too large;
 //   2. adapt_unit()     changes the unit of length in which the tree stores bounds, if necessary;
 //   3. goes on with a rebuild, refits what is dirty, and publishes the result.
 #include "model/tree_updater.h"
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <utility>
 
 #include "base/check.h"
 #include "base/error_bounds.h"
-#include "bvh/refit.h"
 #include "bvh/tree.h"
 #include "mesh/updates.h"
 
 namespace limber::model {
 namespace {
 
-using bvh::ns_per_refit, bvh::ns_per_refit_in_pass;
-
 // What a moved vertex costs in move() and move_all(), where nothing is refitted, in ns. An estimate, as those of
 // bvh/refit.h, from which the time that is left for a rebuild follows.
 constexpr double ns_per_move = 10;
 
-// How many vertices ahead a position is fetched from memory. Trades waiting for filling the cache; no answer depends
-// on it.
+// How many vertices ahead a position is fetched. Trades waiting for filling the cache; no answer depends on it.
 constexpr std::size_t prefetched = 32;
 
 }  // namespace
@@ -41,8 +44,7 @@ TreeUpdater::TreeUpdater(bvh::Tree& tree, const Mesh& mesh, const ModelOptions& 
       margin_width_(options.motion_margin) {
   if (margin_width_ > 0) start_margin(mesh);
   if (!options.preallocate) return;
-  bvh::VertexIndex& index = dirty_.vertex_index();
-  index.reserve(mesh.positions().size(), mesh.triangles().size());
+  dirty_.vertex_index().reserve(mesh.positions().size(), mesh.triangles().size());
   dirty_.try_index_vertices(tree, mesh.positions().size());
   rebuilds_.reserve(tree, mesh);
 }
@@ -73,7 +75,7 @@ void TreeUpdater::note_moves(std::size_t count, double farthest_sq) {
 
 bool TreeUpdater::ensure_vertex_index(const Mesh& mesh) {
   if (dirty_.has_vertex_index()) return true;
-  ++whole_passes_;
+  ++whole_passes_;  // even if it fails, as memory may be missing only after a look at all nodes
   return dirty_.try_index_vertices(tree_, mesh.positions().size());
 }
 
@@ -108,10 +110,7 @@ void TreeUpdater::move(Mesh& mesh, std::span<const VertexId> ids, std::span<cons
 void TreeUpdater::move_all(Mesh& mesh, std::span<const Vec3> positions, double farthest_sq) {
   MeshWriter::set_positions(mesh, positions);
   note_moves(positions.size(), farthest_sq);
-  if (!margin_.is_on()) {
-    dirty_.add_all();  // publish() will count the whole pass
-    return;
-  }
+  if (!margin_.is_on()) return dirty_.add_all();
   ++whole_passes_;
   const std::size_t marked = margin_.mark_all_beyond(mesh, margin_width_, tree_, dirty_);
   margin_.count_absorbed(positions.size() - marked);
@@ -126,8 +125,8 @@ void TreeUpdater::rebuild_all(const Mesh& mesh) {
   const bool had_index = dirty_.has_vertex_index();
   dirty_.vertex_index().drop();
   if (had_index) dirty_.try_index_vertices(tree_, mesh.positions().size());  // if it fails, the next move tries again
-  // The new bounds are right already, but dirty_ and tree_.slack are those of the old tree. So every vertex is marked,
-  // without a margin too: the next commit then corrects both.
+  // The new bounds are right already, but dirty_ and tree_.slack are those of the old tree. mark_everything() makes all
+  // nodes dirty, so the next commit refits them and publishes a slack that is right.
   margin_.mark_everything(mesh, dirty_);
   has_moved_ = true;
 }
@@ -136,9 +135,9 @@ void TreeUpdater::rebuild_all(const Mesh& mesh) {
 double TreeUpdater::expected_ns() const {
   const double ns_of_moves = ns_per_move * static_cast<double>(moves_);
   if (dirty_.covers_most_of(tree_)) {
-    return ns_of_moves + ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
+    return ns_of_moves + bvh::ns_per_refit_in_pass * static_cast<double>(tree_.nodes.size());
   }
-  return ns_of_moves + ns_per_refit * static_cast<double>(dirty_.nodes(tree_.lowest_level()).size());
+  return ns_of_moves + bvh::ns_per_refit * static_cast<double>(dirty_.nodes(tree_.lowest_level()).size());
 }
 
 // The order matters. The margin decides what is dirty. A unit has to suit the positions before anything is fitted in
@@ -169,7 +168,7 @@ void TreeUpdater::check_margin(const Mesh& mesh) {
 
 /// Chooses another unit, from the present positions, if the next refit might write bounds too many units away from the
 /// old ones: float32 could not represent them (bvh/tree.h). Between two refits a vertex moves at most by its
-/// displacements since the last commit, plus the slack that it had then.
+/// displacements since the last commit, plus its slack then; tree_.slack is still that of the last commit.
 void TreeUpdater::adapt_unit(const Mesh& mesh) {
   if (sum_of_displacements_ + tree_.slack <= bvh::units_moved_until_fit * tree_.unit) return;
   tree_.unit = bvh::bounding_box_of(mesh).unit();
@@ -177,9 +176,8 @@ void TreeUpdater::adapt_unit(const Mesh& mesh) {
 }
 
 /// Tells queries, by members of the tree, and the statistics what the commit has done. Stops a margin that is 0 now.
-/// Tree::displacement is all motion since the tree was built, `sum_of_displacements_` that since the last commit, and
-/// Tree::slack how far vertices are now from where they were fitted. `outward` is more than this sum needs, once a
-/// commit.
+/// Tree::displacement is all motion since the tree was built, Tree::slack how far vertices are now from where they were
+/// fitted. `outward` is more than a sum to which one number is added at each commit needs.
 void TreeUpdater::publish(std::uint64_t refits, MaintenanceStats& stats) {
   tree_.displacement = (tree_.displacement + sum_of_displacements_) * base::outward;
   stats.refits += refits;

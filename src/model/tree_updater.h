@@ -72,8 +72,8 @@ class TreeUpdater {
 
   // Since the last commit.
   std::uint64_t moves_ = 0;
-  std::uint64_t whole_passes_ = 0;   // work on all vertices or all nodes, for MaintenanceStats::whole_passes
-  double sum_of_displacements_ = 0;  // the longest of each batch, added up: an upper bound of how far any vertex moved
+  std::uint64_t whole_passes_ = 0;   // over all vertices or nodes; publish() adds the refit if it covers all nodes
+  double sum_of_displacements_ = 0;  // the longest of each batch, added up: no vertex has moved farther
 };
 
 }  // namespace limber::model

@@ -134,9 +134,10 @@ class Pruning {
     if (gap >= distance() + (may_skip_ties_ ? 1 : 2) * rounding) return gap > rounding;
     if (gap < distance() - rounding) return false;
     // The rounding up to which a pair counts as a tie: a small part of the distance; or its bound, where placing may
-    // round by about that much. Most gaps are off by less: by a small part of the bound, `usual_part`.
+    // round by about that much. Most gaps are off by less: by a small part of the bound, `usual`.
     const double tolerated = std::max(placed_.is_error_tight() ? rounding : 0, base::tie_error * distance());
-    if (skips_ties_ && rounding <= tolerated && gap >= distance() - base::usual_part * rounding) return gap > rounding;
+    const double usual = base::usual_local_gap_part * rounding;
+    if (skips_ties_ && rounding <= tolerated && gap >= distance() - usual) return gap > rounding;
     return std::nullopt;
   }
 

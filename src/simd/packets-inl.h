@@ -7,7 +7,8 @@
 // then the way to wide packets and back.
 //
 // A kernel is compiled once per instruction set, in that set's namespace, and once in plain C++ by scalar_kernels.cpp,
-// which defines LIMBER_SCALAR_KERNELS.
+// which defines LIMBER_SCALAR_KERNELS. The guard of its file lets it in once per set: Highway's foreach_target includes
+// it again with HWY_TARGET_TOGGLE flipped, from defined to not defined or back.
 
 #if defined(LIMBER_SIMD_PACKETS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_PACKETS_INL_H
@@ -111,7 +112,8 @@ LIMBER_KERNEL Packet3 load_points3(const float* p) {
 /// Stores points where load_points3() reads them; the fourth number is x again.
 LIMBER_KERNEL void store_points3(const Packet3& v, float* p) { store_interleaved(v.x, v.y, v.z, p); }
 
-// Where a WidePacket is a Packet, it has one half: itself. Where it is two, highway_packets-inl.h defines these five.
+// A WidePacket that is one Packet has one half: itself. With AVX-512, where HWY_MAX_BYTES is 64, it is two, and
+// highway_packets-inl.h defines these five.
 #if !defined(HWY_MAX_BYTES) || HWY_MAX_BYTES != 64
 LIMBER_KERNEL Packet duplicated(Packet a) { return a; }    // `a` as each half
 LIMBER_KERNEL Packet first_of(Packet a) { return a; }      // the first half

@@ -119,7 +119,7 @@ TEST(Pruning, TakesForTiesOnlyWhatRoundingOfTheModelsAsTheyAreCanHide) {
   b.commit();
   ASSERT_GE(tree_of(b).slack, far / 2);
   TwoLeaves two(a, b);
-  ASSERT_LT(distance - height, base::usual_part * base::local_gap_error * two.placed.error());
+  ASSERT_LT(distance - height, base::usual_local_gap_part * base::local_gap_error * two.placed.error());
   Pruning pruning(two.placed, 2 * distance);
   pruning.update({distance, distance, {0, 0, 1}});
   EXPECT_FALSE(pruning.prunes(two.leaf_a, 0, two.leaf_b, 0));
