@@ -117,16 +117,17 @@ def track(
 ) -> Report:
     """limber3d.track() on many processes or machines. The model itself is left as it is.
 
-    Shape     frames is an array (n, v, 3), which may be larger than memory, or a sequence of n arrays (v, 3), or an
-              iterator over them, which is read into memory.
+    Shape     frames is an array (n, v, 3), which may be larger than memory, or a sequence of n arrays (v, 3), or
+              another iterable of them, which is read into memory.
     Promise   Each partition starts with a model just made of the mesh that `model` has, and has the bits of
               limber3d.track() from there. So where several pairs of triangles are equally close up to rounding, and
               within an error that is allowed, answers depend on partition_size as well.
     Folder, Options, Raises   As sweep(); ValueError if there are not as many poses as frames.
     """
-    if isinstance(frames, Iterator):
-        frames = [_array(frame).copy() for frame in frames]  # it may fill one array again and again
-    listed: Any = frames if hasattr(frames, "__getitem__") else numpy.asarray(frames)
+    listed: Any = frames
+    if not hasattr(listed, "__getitem__"):
+        # Copies, since an iterator may fill one array again and again.
+        listed = numpy.asarray(listed) if hasattr(listed, "__array__") else [_array(frame).copy() for frame in listed]
     size = _core.Batch(model, other, poses, poses_other).size
     if size is not None and size != len(listed):
         raise ValueError(f"frames: there are {len(listed)}, and {size} poses; expected as many, or one pose")
@@ -139,7 +140,8 @@ def track(
 def read(out: str | os.PathLike[str]) -> RecordArray:
     """The answers in a folder, in the order of what was asked. Whatever reads Parquet data sets reads parts of it.
 
-    Shape    Records as those of distance_many(), collide_many() or within_many(), to the bit.
+    Shape    Records as those of distance_many(), collide_many() or within_many(), to the bit. A file that has not the
+             name of its partition, such as a copy, is not read.
     Raises   FileNotFoundError if there are none; ValueError if partitions are missing or damaged: the same call that
              has begun the batch makes them.
     """
@@ -188,8 +190,10 @@ class _BatchJob:
         given: list[Any] = [*self.poses] if is_swept else [self.frames, *self.poses]
         meshes = [(model.vertices, model.faces) for model in self.models]
         kind = "swept" if is_swept else "tracked"
+        # The label names all that the answers depend on, so answers of another batch are told from those of this one.
+        # No option is named version, batch, query, models, given, count or partition_size.
         label: dict[str, Any] = {"version": _core.version, "batch": kind, "query": self.query}
-        label |= {name: float(self.options[name]) for name in sorted(self.options)}  # none is named as others here
+        label |= {name: float(self.options[name]) for name in sorted(self.options)}
         label |= {"models": list(map(_digest, meshes)), "given": list(map(_digest, given))}
         label |= {"count": self.count, "partition_size": size}
         parts = [(begin, min(begin + size, self.count)) for begin in range(0, max(1, self.count), size)]
@@ -218,7 +222,8 @@ def _arrays(poses: PosesLike) -> list[_AnyArray]:
 
 def _at(arrays: list[_AnyArray], where: Any) -> Any:
     """Some of the poses, or the one that holds for all."""
-    is_list = bool(arrays) and arrays[-1].ndim > (1 if len(arrays) == 2 else 2)
+    single_ndim = 1 if len(arrays) == 2 else 2  # of one translation, the last of two arrays, or of one matrix
+    is_list = bool(arrays) and arrays[-1].ndim > single_ndim
     found = tuple(array[where] if is_list else array for array in arrays)
     return found if len(found) == 2 else found[0] if found else None
 
@@ -270,7 +275,7 @@ def _pool(executor: Any) -> Generator[tuple[Executor, Callable[[], int], Callabl
         build = functools.partial(executor.submit, _build, pure=False)
         try:
             yield executor.get_executor(pure=False), lambda: sum(executor.nthreads().values()), build
-        except Exception as error:  # of any kind where the client is closing, since Dask raises what it stumbles on first
+        except Exception as error:  # of any kind where the client is closing: Dask raises what it stumbles on first
             if isinstance(error, (CancelledError, comm.CommClosedError)) or executor.status != "running":
                 raise ConnectionError("the scheduler is lost; the same call goes on once there is one") from error
             raise
@@ -316,14 +321,18 @@ def _save(folder: Path, label: dict[str, Any], index: int, first_row: int, recor
     try:
         table = arrow.table(columns).replace_schema_metadata(metadata)
         parquet.write_table(table, temporary, compression="none", use_dictionary=False)
-        os.replace(temporary, folder / f"part-{index:08}.parquet")
+        os.replace(temporary, folder / _file_name(index))
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
 
 
+def _file_name(partition: int) -> str:
+    return f"part-{partition:08}.parquet"
+
+
 def _load(path: Path) -> tuple[dict[str, Any], RecordArray] | None:
-    """What a file says that it is, and its records; None if it is damaged, or something else."""
+    """The label of a file and its records; None if it is damaged, something else, or named as another partition."""
     arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     try:
         table = parquet.read_table(path, use_threads=False, partitioning=None)
@@ -333,6 +342,8 @@ def _load(path: Path) -> tuple[dict[str, Any], RecordArray] | None:
         if metadata[_DIGEST] != digest.encode():
             return None
         label: dict[str, Any] = json.loads(metadata[_LABEL])
+        if path.name != _file_name(label["partition"]):
+            return None
         records = numpy.zeros(len(table), _core.distance_dtype if label["query"] == "distance" else _core.collide_dtype)
         for name, column in _columns(records):
             column[:] = columns[name]
@@ -351,6 +362,5 @@ def _found(folder: Path, label: dict[str, Any]) -> set[int]:
         names = [name for name in [*label, *theirs] if name != "partition" and theirs.get(name) != label.get(name)]
         if names:
             raise ValueError(f"out: {folder} is the folder of another batch, which has another {names[0]}")
-        if path.name == f"part-{theirs['partition']:08}.parquet":
-            found.add(theirs["partition"])
+        found.add(theirs["partition"])
     return found

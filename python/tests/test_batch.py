@@ -243,7 +243,13 @@ def test_frames_are_tracked_in_partitions(tmp_path: Path, ball: limber3d.Model, 
     frames = numpy.stack([ball.vertices * [1, 1 + 0.05 * i, 1] for i in range(40)]).astype(numpy.float32)
     buffer = numpy.empty_like(frames[0])
     refilled = (numpy.positive(frame, out=buffer) for frame in frames)
-    for found, form in ((0, frames), (5, list(frames)), (5, refilled)):  # all are the same batch
+
+    class OnlyIterable:
+        def __iter__(self) -> Iterator[Any]:
+            return iter(frames)
+
+    forms: list[Any] = [frames, list(frames), refilled, dict(enumerate(frames)).values(), OnlyIterable()]
+    for found, form in zip((0, 5, 5, 5, 5), forms, strict=True):  # all are the same batch
         report = batch.track(ball, form, tetra, None, poses, out=tmp_path / "0", partition_size=9, max_distance=2.0)
         assert report == batch.Report(40, 5, found)
     answers = batch.read(tmp_path / "0")
@@ -329,4 +335,5 @@ def test_no_damage_goes_unnoticed(tmp_path: Path, ball: limber3d.Model, tetra: l
     with pytest.raises(ValueError, match="missing or damaged"):
         batch.read(tmp_path / "a")
     (path.parent / "_left by a writer that was killed").write_bytes(b"PAR1")
+    path.with_name("part-00000000 (1).parquet").write_bytes(path.with_name("part-00000000.parquet").read_bytes())
     assert ask().found == 1 and same_bits(batch.read(tmp_path / "a"), answers)
