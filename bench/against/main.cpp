@@ -78,7 +78,7 @@ class Table {
     now();
     constexpr double tick_us = 1e-3;  // a call that the clock does not see has taken less
     const double once_us = std::max(std::min(mean_us(1, before), mean_us(1, now)), tick_us);
-    const auto repetitions = static_cast<std::size_t>(std::max(1.0, least_sample_us / once_us));
+    const auto repetitions = static_cast<std::size_t>(std::max(1.0, std::ceil(least_sample_us / once_us)));
     const double round_us = 2 * once_us * static_cast<double>(repetitions);
     const std::size_t rounds = std::clamp(static_cast<std::size_t>(row_us / round_us), least_rounds, most_rounds);
     std::vector<double> ratios, times_before, times_now;

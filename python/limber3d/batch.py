@@ -211,13 +211,17 @@ class _BatchJob:
 
 
 def _array(value: Any) -> _AnyArray:
-    """An array as it is; lists become numbers."""
+    """An array as it is; lists become numbers, and what is like SciPy's rotations matrices."""
+    value = value.as_matrix() if hasattr(value, "as_matrix") else value
     return numpy.asarray(value, None if hasattr(value, "__array__") else float)
 
 
 def _arrays(poses: PosesLike) -> list[_AnyArray]:
     """What poses are made of: nothing, matrices, or rotations and translations."""
-    return [] if poses is None else list(map(_array, poses if isinstance(poses, tuple) else (poses,)))
+    parts = [] if poses is None else list(map(_array, poses if isinstance(poses, tuple) else (poses,)))
+    if len(parts) == 1 and parts[0].shape[-1] == 3:  # rotations about the origin
+        parts.append(numpy.zeros(parts[0].shape[:-1]))
+    return parts
 
 
 def _at(arrays: list[_AnyArray], where: Any) -> Any:
@@ -264,7 +268,7 @@ def _answer(version: str, call: Callable[..., RecordArray], *arguments: Any) -> 
 def _pool(executor: Any) -> Generator[tuple[Executor, Callable[[], int], Callable[..., Any]], None, None]:
     """What runs partitions, how many threads it has, and what builds the models that they take."""
     if executor is None:
-        width = len(os.sched_getaffinity(0))
+        width = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         with ThreadPoolExecutor(width) as threads:
             yield threads, lambda: width, _build
         return

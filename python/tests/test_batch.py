@@ -90,6 +90,14 @@ def cluster(gated: Path) -> Iterator[Any]:
         yield cluster
 
 
+def test_rotations_of_scipy_are_poses(tmp_path: Path) -> None:
+    rotations = pytest.importorskip("scipy.spatial.transform").Rotation.from_rotvec([[0, 0, 0.5], [0.1, 0.2, 0.3]])
+    shifts = numpy.array([[3.0, 0, 0], [0, 4.0, 0]])
+    for n, poses in enumerate([(rotations, shifts), rotations]):
+        batch.sweep(*models(), poses_b=poses, out=tmp_path / str(n))
+        assert same_bits(batch.read(tmp_path / str(n)), limber3d.distance_many(*models(), poses_b=poses))
+
+
 def test_a_client_that_was_killed_goes_on_where_it_was(
     gated: Path, expected: RecordArray, monkeypatch: pytest.MonkeyPatch
 ) -> None:

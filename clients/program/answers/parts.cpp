@@ -113,7 +113,7 @@ AskedPairs pairs_of_parts(const std::string& path, double max_distance) {
     add_rows(asked, path, {""});
   }
   const std::size_t count = asked.parts.size();
-  if (count < 2) throw BadInput(path + ": has one part alone, which makes no pair");
+  if (count < 2) throw BadInput(path + (count == 0 ? ": has no part" : ": has one part alone, which makes no pair"));
   if (!std::isfinite(max_distance)) {
     for (std::size_t a = 0; a < count; ++a) {
       for (std::size_t b = a + 1; b < count; ++b) asked.pairs.push_back({a, b});

@@ -238,6 +238,7 @@ TEST(ProgramBadInput, FilesOfParts) {
       "distance --parts ", "parts.csv",
       {{"name\nx\n", "line 1: there is no column model"},
        {"model\nscene:ball\n", "has one part alone"},
+       {"model\n", "has no part"},
        {"model\nscene:ball\nnowhere.obj\n", "line 3: column model: nowhere.obj"},
        {"model,pose_qw\nscene:ball,1\nscene:ball,\n", "line 2: column pose_qx: is empty"},
        {"model,pose_tx\nscene:ball,far\nscene:ball,\n", "line 2: column pose_tx: 'far' is not a number"},
