@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The factories of Shape: each checks its arguments, and makes the mesh of the core, around which the radius is swept.
+// Those that compute nothing but negations do without the default floating-point environment. u is 2^-53.
 #include "limber/shapes.h"
 
 #include <array>
@@ -23,20 +24,22 @@
 namespace limber {
 namespace {
 
-void check(bool holds, const char* function, const char* what) {
-  if (!holds) base::throw_invalid_argument((std::string("limber::Shape::") + function + ": " + what).c_str());
+[[noreturn]] void refuse(const char* function, const std::string& text) {
+  base::throw_invalid_argument((std::string("limber::Shape::") + function + ": " + text).c_str());
 }
 
-void check_size(double size, const char* function, const char* name) {
-  if (size >= 0 && size <= max_coordinate) return;
-  check(false, function, (std::string(name) + " must be at least 0 and at most 2^200").c_str());
+void check(bool holds, const char* function, const char* text) {
+  if (!holds) refuse(function, text);
+}
+
+void check_size(double size, const char* function, const std::string& name) {
+  if (!(size >= 0 && size <= max_coordinate)) refuse(function, name + " must be at least 0 and at most 2^200");
 }
 
 bool is_in_range(const Vec3& point) { return is_finite(point) && max_abs(point) <= max_coordinate; }
 
 void check_point(const Vec3& point, const char* function, const std::string& name) {
-  if (is_in_range(point)) return;
-  check(false, function, (name + " has a coordinate that is not finite, or above 2^200").c_str());
+  if (!is_in_range(point)) refuse(function, name + " has a coordinate that is not finite, or above 2^200");
 }
 
 void check_points(std::span<const Vec3> points, const char* function) {
@@ -50,7 +53,7 @@ void check_points(std::span<const Vec3> points, const char* function) {
 /// The mesh of a core, whose arrays come from the factories.
 Mesh core_mesh(std::vector<Vec3> positions, std::vector<Corners> triangles, const char* function) {
   Result<Mesh> mesh = Mesh::create(std::move(positions), std::move(triangles));
-  if (!mesh) check(false, function, mesh.error().text.c_str());
+  if (!mesh) refuse(function, mesh.error().text);
   return std::move(mesh).value();
 }
 
@@ -77,11 +80,15 @@ std::array<Vec3, 3> frame_of(const Vec3& v) {
 
 // Most sides of the prism around a cylinder: 262 144 triangles. A guess: more are refused.
 constexpr std::uint32_t most_sides = 65'536;
-// Room for rounding, with u = 2^-53. In proportion to a corner's distance from the axis: 32 u. A cosine, the division
-// by it and products are off by 8 u; angles, by up to 15 u between two corners, move a side inward by 9 u.
+// Room for rounding, as a part of a corner's distance from the axis. It leaves 32 u, of which are needed
+//   8 u  for that distance: a sum, a cosine, the division by it, a product;
+//   5 u  for the way out to a corner: a cosine and a sine, products and a sum;
+//   8 u  for angles. One is off by up to 10 u, so one between two corners by 21 u. A side moves inward by half of that
+//        times tan(pi / sides), 0.73 from five sides on; three or four have angles that are off by less.
 constexpr double prism_room = 1 + 0x1p-48;
-// In proportion to coordinates and the radius: 16 u, sideways and along. Axes of the frame are off by 5 u in length
-// and, together, 8 u in direction; the coordinates of a corner are rounded twice: 4 u.
+// Room for rounding, as a part of coordinates and the radius, sideways and along. It leaves 16 u, of which are needed
+//   5 u sideways, for the length of the axes of the frame; 8 u along, for the direction of both that are across;
+//   4 u either way, for the coordinates of a corner, which are rounded twice.
 constexpr double prism_rounding = 0x1p-49;
 
 /// By how much a regular polygon's corners are farther from its center than its sides, as a part of the latter.
@@ -198,6 +205,8 @@ Shape Shape::height_field(std::span<const double> heights, std::size_t columns, 
   std::vector<Vec3> positions;
   std::vector<Corners> triangles;
   for (std::size_t i = 0; i < heights.size(); ++i) {
+    if (!is_in_range({0, 0, heights[i]}))
+      refuse("height_field", "height " + std::to_string(i) + " is not finite, or above 2^200 in size");
     const std::size_t column = i % columns, row = i / columns;
     positions.push_back({static_cast<double>(column) * step_x, static_cast<double>(row) * step_y, heights[i]});
     if (column + 1 == columns || row + 1 == rows) continue;

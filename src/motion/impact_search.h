@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <bitset>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -25,15 +26,19 @@
 ///   MovingBounds                which children of a node may meet another node, and when;
 ///   ImpactsOfLeaves             which elements of two leaves may touch;
 ///   ImpactSearch                which puts them together, and is what callers use.
-/// A collector says what is looked for, and is offered what may touch. It needs
-///   double max_time() const;           // what touches later does not matter; it may fall while the search runs
-///   bool is_done() const;              // nothing else matters
-///   bool wants_contacts_only() const;  // pairs that certainly do not touch may be left out; only without a separation
-///   void compare(const ElementPair& pair, const MovingElements& elements);
-/// One with at_any_pace is offered pairs that may be near if each vertex is anywhere on its way, whatever others do.
-/// Pairs of leaves that both stay are left out:
-///   bool stays(Side side, const bvh::Leaf& leaf) const;
 namespace limber::motion {
+
+/// A collector says what is looked for, and is offered, by compare(), what may touch. If its constant `at_any_pace` is
+/// true, it is offered pairs that may be near if each vertex is anywhere on its way, whatever others do; without pairs
+/// of leaves of which its stays(side, leaf) is true.
+template <typename Collector>
+concept CollectsImpacts = requires(Collector& collector, const Collector& asked, const ElementPair& pair,
+                                   const MovingElements& elements) {
+  { asked.max_time() } -> std::same_as<double>;  // what touches later does not matter; it may fall during the search
+  { asked.is_done() } -> std::same_as<bool>;     // nothing else matters
+  { asked.wants_contacts_only() } -> std::same_as<bool>;  // leave out what certainly stays apart; separation 0 only
+  collector.compare(pair, elements);
+};
 
 /// Slots of two moving trees, or of one.
 struct SlotPair {
@@ -48,8 +53,8 @@ struct SlotPair {
 
   /// Those that may meet first are taken before the others.
   bool comes_before(const SlotPair& other) const { return first_time < other.first_time; }
-  /// `pairs` are what `from` was split into; the last is searched first. Gives each a time before which nothing touches
-  /// that is searched after it.
+  /// `pairs` are what `from` was split into; the last is searched first. Gives each a lower bound of the times at which
+  /// the parts touch that are searched after it.
   static void note_later(std::span<SlotPair> pairs, const SlotPair& from) {
     double first = from.first_later_time;
     for (SlotPair& pair : pairs) {
@@ -79,7 +84,7 @@ struct MovingExpansion {
 };
 
 /// The bounds of PairWalk for moving models: boxes at both ends of the motion, at any pace boxes of the whole way.
-template <typename Collector>
+template <CollectsImpacts Collector>
 class MovingBounds {
  public:
   using Pair = SlotPair;
@@ -127,7 +132,7 @@ class MovingBounds {
   SlotPair child_pair(const MovingExpansion& e, std::uint32_t child) const {
     SlotPair pair = e.pair;
     pair.slot[index(e.side)] = e.node * bvh::width + child;
-    if (!at_any_pace) pair.first_time = e.times.first[child], pair.last_time = e.times.last[child];
+    if constexpr (!at_any_pace) pair.first_time = e.times.first[child], pair.last_time = e.times.last[child];
     return pair;
   }
 
@@ -137,7 +142,8 @@ class MovingBounds {
   /// The box of a slot; at any pace the one around those of both ends, at both.
   bvh::MovingBox box(Side s, bvh::SlotId slot) const {
     bvh::MovingBox box = models_.box(s, slot);
-    for (std::uint32_t axis = 0; at_any_pace && axis < 3; ++axis) {
+    if constexpr (!at_any_pace) return box;
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
       box.low[0][axis] = box.low[1][axis] = std::min(box.low[0][axis], box.low[1][axis]);
       box.high[0][axis] = box.high[1][axis] = std::max(box.high[0][axis], box.high[1][axis]);
     }
@@ -152,7 +158,7 @@ class MovingBounds {
 };
 
 /// The visitor of PairWalk that offers a collector the pairs of elements of two leaves that may touch.
-template <typename Collector>
+template <CollectsImpacts Collector>
 class ImpactsOfLeaves {
  public:
   ImpactsOfLeaves(const MovingPair& models, const MovingBounds<Collector>& bounds, Collector& collector,
@@ -169,7 +175,7 @@ class ImpactsOfLeaves {
   static constexpr bool prepare_visit(const SlotPair&, bool) { return false; }
 
   /// Where a search has ended early: a time before which none of the pairs touches that are left of the leaves that
-  /// were compared last.
+  /// were compared last. It is not better than that of the leaves. Infinite if nothing is left.
   double first_left_time() const { return first_left_time_; }
 
   /// Offers all, unless the collector or the budget ends that early: first_left_time() then says what is left.
@@ -187,9 +193,10 @@ class ImpactsOfLeaves {
     };
     simd::ElementCandidates found, later;
     later.vertex_face.count = later.face_vertex.count = later.edge_edge.count = 0;
+    const std::uint32_t count = find(limits, found);
     // Directions that keep elements apart at both ends of the time seldom do so where leaves turn far or pass each
     // other. Those of its middle more often do.
-    if (find(limits, found) >= many_candidates && !at_any_pace && turn_or_pass(a.moving, b.moving, limits)) {
+    if (!at_any_pace && count >= many_candidates && turn_or_pass(a.moving, b.moving, limits)) {
       const double middle = 0.5 * (limits.begin + limits.end);
       find({limits.begin, middle, limits.separation}, found);
       find({middle, limits.end, limits.separation}, later);
@@ -197,13 +204,14 @@ class ImpactsOfLeaves {
       keep_new(found.face_vertex, later.face_vertex);
       keep_new(found.edge_edge, later.edge_edge);
     }
-    for (const simd::ElementCandidates* some : {&found, &later}) {
-      offer(some->vertex_face, pair,
-            [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); });
-      offer(some->face_vertex, pair,
-            [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); });
-      offer(some->edge_edge, pair, [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); });
-    }
+    const auto of_vertex_face = [&](simd::ElementCandidate c) { return models_.vertex_face(Side::a, a, c.a, b, c.b); };
+    const auto of_face_vertex = [&](simd::ElementCandidate c) { return models_.vertex_face(Side::b, b, c.b, a, c.a); };
+    const auto of_edges = [&](simd::ElementCandidate c) { return models_.edge_edge(a, c.a, b, c.b); };
+    const auto offer_all = [&](const simd::ElementCandidates& some) {
+      return offer(some.vertex_face, pair, of_vertex_face) && offer(some.face_vertex, pair, of_face_vertex) &&
+             offer(some.edge_edge, pair, of_edges);
+    };
+    if (offer_all(found)) offer_all(later);
     return true;
   }
 
@@ -249,8 +257,9 @@ class ImpactsOfLeaves {
   }
 
   /// Offers candidates of one kind to the collector, without those that certainly do not touch if it asks for that.
+  /// Returns whether more may be offered.
   template <typename Candidates, typename ElementsOf>
-  void offer(const Candidates& candidates, const SlotPair& leaves, const ElementsOf& elements_of) {
+  bool offer(const Candidates& candidates, const SlotPair& leaves, const ElementsOf& elements_of) {
     constexpr std::uint32_t room = simd::MovingPairs::room;
     static_assert(room < 32);  // bits of a mask
     const bool excludes = collector_.wants_contacts_only();
@@ -263,12 +272,13 @@ class ImpactsOfLeaves {
         // Some pairs take milliseconds.
         if (collector_.is_done() || meter_.cuts_short(steps_)) {
           first_left_time_ = leaves.first_time;
-          return;
+          return false;
         }
         const IdentifiedElements found = elements_of(some[std::countr_zero(left)]);
         collector_.compare(found.pair, found.elements);
       }
     }
+    return true;
   }
 
   /// A bit mask of candidates of one kind that certainly do not touch in time. Pre: the separation is 0.
@@ -301,7 +311,7 @@ class ImpactsOfLeaves {
 
 /// The walk that offers a collector the pairs of elements of two moving models, or of one, that may touch: depth first,
 /// those that may meet first before the others.
-template <typename Collector>
+template <CollectsImpacts Collector>
 class ImpactSearch {
  public:
   ImpactSearch(const MovingPair& models, double separation, Collector& collector, pair::BudgetMeter& meter)

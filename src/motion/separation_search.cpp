@@ -1,10 +1,7 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// When two elements come within a separation of each other: pieces of the time are decided in order. A piece is
-//   clear   if a bound shows that the distance exceeds the separation in all of it;
-//   halved  if none does; or it ends at its middle, if the elements are within the separation there;
-//   last    if it is as short as asked for and they are within the separation at its end: it holds the first contact.
+// When two elements come within a separation of each other: pieces of the time are decided in order, by decide().
 // Bounds of the distance over a piece, the cheapest first (docs/algorithms/impact.md):
 //   1. the distance at the beginning, less what the elements move relative to each other;
 //   2. the gap along a direction that moves linearly, from one that separates the elements at the beginning to one that
@@ -67,28 +64,22 @@ class SeparationSearch {
     Moment ends[most_halvings + 1];  // of the pieces that are left, the next one on top
     std::size_t open = 0;
     ends[open++] = moment(max_time_);
+    Moment middle = begin;
     for (std::uint64_t steps = 1; open > 0; ++steps) {
       if (steps % many_steps == 0) tolerance_ *= 2;
       Moment& end = ends[open - 1];
-      const double length = end.time - begin.time;
-      // Short, and within the separation at its end.
-      if (length <= time_error_ && is_within(end)) return {ImpactStatus::contact, begin.time, end.time};
-      if (length > time_resolution) {  // otherwise nothing moves by more than the rounding of positions
-        const Moment middle = moment(begin.time + 0.5 * length);
-        if (is_within(middle)) {
-          end = middle;
-          continue;
-        }
-        if (!are_apart(begin, end)) {
-          LIMBER_ASSERT(open <= most_halvings);
-          ends[open++] = middle;
-          continue;
-        }
+      const Decision decision = decide(begin, end, middle);
+      if (decision == Decision::last) return {ImpactStatus::contact, begin.time, end.time};
+      if (decision == Decision::shorten) {
+        end = middle;
+      } else if (decision == Decision::halve) {
+        LIMBER_ASSERT(open <= most_halvings);
+        ends[open++] = middle;
+      } else {
+        // Its end may still exceed the separation by no more than the tolerance: then it is the answer.
+        if (is_within(end)) return {ImpactStatus::contact, end.time, end.time};
+        begin = end, --open;
       }
-      // Clear, though its end may count as within the separation: the distance there exceeds the separation by less
-      // than the tolerance. Then the end is the answer.
-      if (is_within(end)) return {ImpactStatus::contact, end.time, end.time};
-      begin = end, --open;
     }
     return {};
   }
@@ -121,7 +112,8 @@ class SeparationSearch {
   // Halving [0, 1] ends at pieces of time_resolution, 2^-53: after 53 times. One to spare.
   static constexpr std::size_t most_halvings = 54;
   // Elements that turn while they stay hardly beyond the separation need any number of pieces: after every so many
-  // steps the tolerance doubles. A guess: others take about a step for each binary digit of the time.
+  // steps the tolerance doubles. That rounds the separation up, which the promise allows (docs/algorithms/impact.md):
+  // no contact is missed. A guess: others take about a step for each binary digit of the time.
   static constexpr std::uint64_t many_steps = 2048;
   // As a part of the extent, the largest coordinate relative to the first corner at the start, with eps = 2^-53: a
   // placed corner is off by 8 eps in each coordinate, the difference of two by 28 eps, a gap by 34 eps more: 62 eps <
@@ -156,6 +148,19 @@ class SeparationSearch {
   /// Whether the elements are within the separation, or above it by no more than the tolerance.
   bool is_within(const Moment& moment) const { return moment.closest.distance <= separation_ + tolerance_; }
 
+  enum class Decision { last, shorten, halve, clear };
+  /// What to do with a piece of time. Unless that is `last` or the piece is too short to be split, fills `middle`.
+  Decision decide(const Moment& begin, const Moment& end, Moment& middle) const {
+    const double length = end.time - begin.time;
+    // As short as asked for, and within the separation at its end: it holds the first contact.
+    if (length <= time_error_ && is_within(end)) return Decision::last;
+    // So short a piece counts as clear: nothing in it moves by more than the rounding of positions.
+    if (length <= time_resolution) return Decision::clear;
+    middle = moment(begin.time + 0.5 * length);
+    if (is_within(middle)) return Decision::shorten;  // the first contact is not after the middle
+    return are_apart(begin, end) ? Decision::clear : Decision::halve;
+  }
+
   /// Calls use() with all differences of a corner of the second element and one of the first, at two times.
   template <typename Use>
   void for_each_difference(const Placed& begin, const Placed& end, const Use& use) const {
@@ -184,7 +189,7 @@ class SeparationSearch {
   /// Bound 3: det(u, v, w) / |u x v|. The length of a quadratic in Bernstein form is at most the largest length of its
   /// coefficients.
   bool are_planes_apart(const Vectors& a, const Vectors& b) const {
-    // The Bernstein coefficients of u x v.
+    // u x v is the sum of these times (1 - t)^2, 2 t (1 - t) and t^2, for t from 0 to 1 in the piece.
     const Vec3 normals[3] = {cross(a.u, a.v), 0.5 * (cross(a.u, b.v) + cross(b.u, a.v)), cross(b.u, b.v)};
     const double longest = std::max({length(normals[0]), length(normals[1]), length(normals[2])});
     if (!(longest * longest > least_length_sq)) return false;

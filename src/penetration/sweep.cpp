@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// First, of two triangles: how far b moves along z until it leaves a. The translations with which b meets a form a
-// convex polyhedron, the Minkowski difference of both. How far b moves is where the z axis leaves it. Every plane that
-// has the polyhedron on one side bounds that from above, however inexact its normal. The planes of its facets are
-// enough. They are normal to a face, or to an edge of each triangle. Where all is flat, they are normal to an edge, and
-// the normal lies in the plane that the edge and z span. Two points that meet bound it from below.
-//
-// Then, of two models: Sweep takes pairs of nodes, those that may meet last first, and asks the above of triangles.
+// 1. Of two triangles: how far b moves along z until it leaves a. The translations with which b meets a, differences
+//    p - q of points p of a and q of b, form a convex polyhedron D. How far b moves is where the z axis leaves D.
+//      Upper bound  (max n.p - min n.q) / n.z, for any n with n.z > 0, however inexact. Normals of the facets of D are
+//                   enough: of a face, or e x f of an edge of each. Where D is flat, its sides take their place: n is
+//                   normal to an edge, and lies in the plane that the edge and z span.
+//      Lower bound  from two points that meet.
+// 2. Of two models: Sweep takes pairs of nodes, those that may meet last first, and asks the above of triangles.
 #include "penetration/sweep.h"
 
 #include <algorithm>
@@ -26,14 +26,8 @@ namespace {
 
 using geometry::next_corner;
 
-struct Range {
-  double low, high;
-};
-
-Range range_along(const Vec3& n, const Triangle& t) {
-  const double h0 = dot(n, t.v0), h1 = dot(n, t.v1), h2 = dot(n, t.v2);
-  return {std::min({h0, h1, h2}), std::max({h0, h1, h2})};
-}
+double lowest(const Vec3& n, const Triangle& t) { return std::min({dot(n, t.v0), dot(n, t.v1), dot(n, t.v2)}); }
+double highest(const Vec3& n, const Triangle& t) { return std::max({dot(n, t.v0), dot(n, t.v1), dot(n, t.v2)}); }
 
 // Shorter normals say nothing that rounding does not say as well.
 constexpr double shortest_normal = 0x1p-100;
@@ -61,12 +55,12 @@ class Planes {
   }
 
  private:
-  /// How far b reaches behind the highest point of a, at most. With u = 2^-53, both heights are off by 3 u of the sum
-  /// `size` each, and differences, the error and bounds / n.z by 6 u more: less than 2^-49 in all. An error of 2^-46 or
-  /// more leaves 7/8 of it for the corners. Those of a and b may each move by a third of it: 2/3 together.
+  /// How far b reaches behind the highest point of a, at most. Roundings, in u = 2^-53 of the sum `size`: 2 * 3 u for
+  /// the heights, 6 u for differences, the error and bounds / n.z. These 12 u < 2^-49 are at most 1/8 of the error,
+  /// which is 2^-46 or more. The other 7/8 are for corners: those of a and of b may move by a third each, 2/3 together.
   double overlap_along(const Vec3& n) const {
     const double size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
-    return range_along(n, a_).high - range_along(n, b_).low + error_ * size;
+    return highest(n, a_) - lowest(n, b_) + error_ * size;
   }
 
   const Triangle &a_, &b_;
@@ -173,7 +167,8 @@ Sweep::Sweep(const point::PlacedModel& a, const point::PlacedModel& b) : a_{&a, 
 void Sweep::set_direction(const Vec3& direction) {
   z_ = direction, x_ = perpendicular_to(direction), y_ = cross(z_, x_);
   for (Side* side : {&a_, &b_}) {
-    const Mat3 to_model = transpose(side->model->pose().rotation);  // so heights are exact, whatever the rotation is
+    // R^T z . p = z . R p, also for an R that is not quite orthonormal: so heights are those of placed points.
+    const Mat3 to_model = transpose(side->model->pose().rotation);
     side->x = to_model * x_, side->y = to_model * y_, side->z = to_model * z_;
   }
 }
@@ -205,7 +200,9 @@ Sweep::Projection Sweep::project(const Side& side, bvh::SlotId slot) const {
   const double rest = length(side.z - along * normal) * radius;
   const double reach = std::min(radius * length(side.z), dot(abs(side.z), half));
   const double more = tree.slack * scale_ * base::outward + error_;
-  // A height over the center may be below 0: then its size has to become smaller, for all that to_scaled enlarges it.
+  // A height over the center may be below 0. Then its size has to become smaller, though to_scaled has made it larger
+  // by the factor `outward`: two errors are taken off, one for the pose, and one that pays for `outward`.
+  static_assert(base::outward * (1 - 2 * base::rigidity_error) < 1 - base::rigidity_error);
   const auto bounded = [&](double units) {
     return units * to_scaled * (1 + (units < 0 ? -2 : 1) * base::rigidity_error) + more;
   };
@@ -280,6 +277,7 @@ void Sweep::compare(const bvh::Leaf& leaf_a, std::size_t i, const Triangle& a, c
   if (!(contact.upper > best_.upper)) return;
   best_.upper = contact.upper;
   best_.normal = unit(contact.normal.x * x_ + contact.normal.y * y_ + contact.normal.z * z_);
+  // Triangles that miss each other by error_ across z count as meeting; as much again is for the rounding of weights.
   find_last_contact(a, b, 2 * error_, contact);
   if (!(contact.lower > best_.lower)) return;
   best_.lower = std::min(contact.lower, best_.upper);

@@ -4,13 +4,14 @@
 // Eight boxes a node, over models in spatial order. The rank of a model is its place in that order: leaf i, the i-th
 // node of the lowest level, holds ranks 8 i to 8 i + 7, and the k-th child of node i of a level is node 8 i + k below.
 // build() fills the levels from below. visit_near() goes down from the top with the bounds of something else;
-// visit_pairs() with the box of a leaf, to itself and the leaves after it.
+// visit_pairs() with the box of a leaf, to itself and the leaves after it. u is 2^-53.
 #include "scene/box_tree.h"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
 
+#include "base/arguments.h"
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "base/rounding.h"
@@ -22,14 +23,15 @@ namespace {
 using bvh::BoxNode;
 using bvh::width;
 
-// 2^32 models have 11 levels, as 8^11 = 2^33.
-constexpr std::size_t max_levels = 11;
+constexpr int bits_of_width = std::countr_zero(unsigned{width});
 
-// With u = 2^-53. A squared length of differences is off by 5 u, the square of a sum of three by 5 u: 10 of 32.
+// The factor leaves 32 u; 10 u are needed: a squared length of differences is off by 5 u, the square of a sum of three
+// by 5 u.
 constexpr double squared_length_down = 1 - 0x1p-48;
-// The sum of two radii, and its product with this, are off by 2 u: 2 of 8.
+// The factor leaves 8 u; 2 u are needed: for the sum of two radii, and for its product with this.
 constexpr double radii_up = 1 + 0x1p-50;
 
+/// Boxes that meet no other, unless that is infinite: margins have to be finite.
 BoxNode empty_boxes() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   BoxNode boxes;
@@ -91,7 +93,7 @@ void BoxTree::build(std::span<const std::uint32_t> ids, std::span<const WorldBou
     level_begin_.push_back(level_begin_.back() + nodes);
     boxes_below = nodes > 1 ? nodes : 0;
   }
-  LIMBER_ASSERT(level_count() <= max_levels);
+  LIMBER_ASSERT(level_count() <= 11);  // 2^32 models: 8^11 = 2^33
   boxes_.resize(level_begin_.back());
   spheres_.resize(ids.size());
   ids_.resize(ids.size());
@@ -127,11 +129,12 @@ double BoxTree::lower_bound(const WorldBounds& bounds, std::uint32_t rank) const
   const Sphere &a = bounds.sphere, &b = spheres_[rank];
   const double of_spheres = base::distance_down(a.center, b.center) - (a.radius + b.radius) * radii_up;
   const double of_boxes = base::distance_down({}, gaps(bounds.box, bounds_of(rank).box));
+  // The factor covers the subtraction too: it takes 1024 u of the difference away, which is off by 1 u of itself.
   return std::max(of_spheres, of_boxes) * (1 - base::scene_distance_error);
 }
 
 bool BoxTree::visit_near(const WorldBounds& bounds, double margin, FunctionRef<bool(std::uint32_t)> visit) const {
-  LIMBER_ASSERT(margin >= 0);
+  LIMBER_ASSERT(base::is_finite_and_not_negative(margin));
   return size() == 0 || visit_near_below(level_count() - 1, 0, bounds, margin, visit);
 }
 
@@ -152,73 +155,76 @@ bool BoxTree::visit_near_below(std::size_t level, std::uint32_t node, const Worl
   return true;
 }
 
+/// Pairs of a model of one leaf and a model of the same or a later one. They are collected before they are visited:
+/// every pair is written, but the count only goes up after one that is near, so the loop needs no branch for that.
+class BoxTree::PairCollector {
+ public:
+  PairCollector(const BoxTree& tree, std::uint32_t leaf, double margin,
+                FunctionRef<bool(std::uint32_t, std::uint32_t)> visit)
+      : tree_(tree), leaf_(leaf), margin_(margin), visit_(visit), around_(box_of_leaf(leaf)) {}
+
+  /// Adds the pairs with models below a node, children in order. Returns whether the walk goes on.
+  bool add_below(std::size_t level, std::uint32_t node) {
+    unsigned waiting = boxes_near(tree_.boxes(level, node), around_, margin_);
+    // The number, on the level below, of the node that is or contains the own leaf. If this node contains it too,
+    // children with lower slots hold only leaves before it: drop them, as those pairs are visited from the other leaf.
+    const std::uint32_t on_path = leaf_ >> (bits_of_width * (level - 1));
+    if (on_path / width == node) waiting &= ~0U << (on_path % width);
+    for (; waiting != 0; waiting &= waiting - 1) {
+      const std::uint32_t child = node * width + static_cast<std::uint32_t>(std::countr_zero(waiting));
+      if (!(level > 1 ? add_below(level - 1, child) : add_leaf(child))) return false;
+    }
+    return true;
+  }
+
+  /// Adds the pairs with models of a leaf. Returns whether the walk goes on.
+  bool add_leaf(std::uint32_t other) {
+    std::uint64_t boxes_meet =
+        simd::kernels().overlapping_pairs(tree_.boxes(0, leaf_), tree_.boxes(0, other), box_of_leaf(other), margin_);
+    if (other == leaf_) boxes_meet &= bvh::each_pair_once;
+    for (; boxes_meet != 0; boxes_meet &= boxes_meet - 1) {
+      LIMBER_ASSERT(count_ < room);
+      const auto bit = static_cast<std::uint32_t>(std::countr_zero(boxes_meet));
+      const std::uint32_t a = leaf_ * width + bit / width, b = other * width + bit % width;
+      found_a_[count_] = a, found_b_[count_] = b;
+      // The kernel has compared the boxes axis by axis. At margin 0 that is all that boxes can tell.
+      const bool is_near =
+          margin_ == 0 ? may_be_near(tree_.spheres_[a], tree_.spheres_[b], 0) : tree_.may_be_within(a, b, margin_);
+      count_ += is_near ? 1 : 0;
+    }
+    return count_ + most_of_two_leaves <= room || flush();
+  }
+
+  /// Visits what was collected. Returns whether the walk goes on.
+  bool flush() {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!visit_(found_a_[i], found_b_[i])) return false;
+    }
+    count_ = 0;
+    return true;
+  }
+
+ private:
+  Box box_of_leaf(std::uint32_t i) const {
+    return tree_.level_count() > 1 ? box_of(tree_.boxes(1, i / width), i % width) : box_around(tree_.boxes(0, i));
+  }
+
+  static constexpr std::size_t most_of_two_leaves = width * width, room = 4 * most_of_two_leaves;
+  const BoxTree& tree_;
+  std::uint32_t leaf_;
+  double margin_;
+  FunctionRef<bool(std::uint32_t, std::uint32_t)> visit_;
+  Box around_;  // the own leaf
+  std::uint32_t found_a_[room], found_b_[room];
+  std::size_t count_ = 0;
+};
+
 bool BoxTree::visit_pairs(std::uint32_t leaf, double margin,
                           FunctionRef<bool(std::uint32_t, std::uint32_t)> visit) const {
-  LIMBER_ASSERT(leaf < leaf_count() && margin >= 0);
-  const BoxNode& own = boxes(0, leaf);
+  LIMBER_ASSERT(leaf < leaf_count() && base::is_finite_and_not_negative(margin));
+  PairCollector pairs(*this, leaf, margin, visit);
   const std::size_t top = level_count() - 1;
-  const auto box_of_leaf = [&](std::uint32_t i) {
-    return top > 0 ? box_of(boxes(1, i / width), i % width) : box_around(own);
-  };
-  const Box around = box_of_leaf(leaf);
-
-  // Pairs are collected before they are visited. Every pair is written, but the count only goes up after one that is
-  // near, so the loop needs no branch for that.
-  constexpr std::size_t most_of_two_leaves = width * width, room = 4 * most_of_two_leaves;
-  std::uint32_t found_a[room], found_b[room];
-  std::size_t count = 0;
-  const auto visit_found = [&] {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!visit(found_a[i], found_b[i])) return false;
-    }
-    count = 0;
-    return true;
-  };
-  const auto visit_leaf = [&](std::uint32_t other) {
-    std::uint64_t boxes_meet = simd::kernels().overlapping_pairs(own, boxes(0, other), box_of_leaf(other), margin);
-    if (other == leaf) boxes_meet &= bvh::each_pair_once;
-    for (; boxes_meet != 0; boxes_meet &= boxes_meet - 1) {
-      LIMBER_ASSERT(count < room);
-      const auto bit = static_cast<std::uint32_t>(std::countr_zero(boxes_meet));
-      found_a[count] = leaf * width + bit / width, found_b[count] = other * width + bit % width;
-      // The kernel has compared the boxes axis by axis. At margin 0 that is all that boxes can tell.
-      const bool is_near = margin == 0 ? may_be_near(spheres_[found_a[count]], spheres_[found_b[count]], 0)
-                                       : may_be_within(found_a[count], found_b[count], margin);
-      count += is_near ? 1 : 0;
-    }
-    return count + most_of_two_leaves <= room || visit_found();
-  };
-
-  if (top == 0) return visit_leaf(leaf) && visit_found();
-  // Depth first, children in order. Left out are children whose leaves all come before `leaf`: those pairs are visited
-  // from the other leaf. A node that is visited and not above `leaf` comes after it, and so do all its children.
-  constexpr int bits_of_width = std::countr_zero(unsigned{width});
-  std::uint32_t node[max_levels];
-  unsigned waiting[max_levels];
-  const auto enter = [&](std::size_t level, std::uint32_t i) {
-    // The node a level below that is `leaf` or above it; those before it come before `leaf`.
-    const std::uint32_t on_path = leaf >> (bits_of_width * (level - 1));
-    node[level] = i;
-    waiting[level] = boxes_near(boxes(level, i), around, margin);
-    if (on_path / width == i) waiting[level] &= ~0U << (on_path % width);
-  };
-  enter(top, 0);
-  std::size_t level = top;
-  for (;;) {
-    if (waiting[level] == 0) {
-      if (level == top) return visit_found();
-      ++level;
-      continue;
-    }
-    const auto slot = static_cast<std::uint32_t>(std::countr_zero(waiting[level]));
-    waiting[level] &= waiting[level] - 1;
-    const std::uint32_t child = node[level] * width + slot;
-    if (level > 1) {
-      enter(--level, child);
-    } else if (!visit_leaf(child)) {
-      return false;
-    }
-  }
+  return (top > 0 ? pairs.add_below(top, 0) : pairs.add_leaf(leaf)) && pairs.flush();
 }
 
 }  // namespace limber::scene

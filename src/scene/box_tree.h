@@ -73,6 +73,7 @@ class BoxTree {
   double lower_bound(const WorldBounds& bounds, std::uint32_t rank) const;
 
  private:
+  class PairCollector;
   WorldBounds bounds_of(std::uint32_t rank) const;
   bool visit_near_below(std::size_t level, std::uint32_t node, const WorldBounds& own, double margin,
                         FunctionRef<bool(std::uint32_t)> visit) const;

@@ -226,6 +226,11 @@ TEST(Shapes, ErrorsNameTheArgument) {
                          {"limber::Shape::point_cloud: point 1 has a coordinate that is not finite, or above 2^200"}));
   EXPECT_TRUE(is_refused([] { static_cast<void>(Shape::sphere(-1)); },
                          {"limber::Shape::sphere: radius must be at least 0 and at most 2^200"}));
+  for (const double height : {not_a_number, -2 * max_coordinate}) {
+    const std::vector<double> heights{0, 1, 2, height};
+    EXPECT_TRUE(is_refused([&] { static_cast<void>(Shape::height_field(heights, 2, 2, 1, 1)); },
+                           {"limber::Shape::height_field: height 3 is not finite, or above 2^200 in size"}));
+  }
 }
 
 TEST(Shapes, LeaveBodiesValidWhenTheyAreMoved) {

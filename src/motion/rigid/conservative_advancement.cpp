@@ -31,13 +31,14 @@ struct Gap {
 };
 
 /// When to ask for the next distance: where the time that it shows to be free will reach back to what the last one
-/// showed, if the gap goes on to change as it did, or a quarter of the way to the worst. Where the gap grows, the step
-/// is at most 20 times as long as what is proved. A guess; no answer depends on it.
+/// showed. With a gap g that closes at a rate c that is x later, where x = g / speed + (g - c x) / speed. The rate is a
+/// guess, on which no answer depends: that since the last gap, or a quarter of the way to the worst, `speed`. Where the
+/// gap grows, c >= -0.9 speed makes the step at most 20 times as long as what is proved.
 double next_time(const MovingDistance& moving, const Gap& earlier, const Gap& gap) {
   const double speed = moving.speed();
-  const double closing = earlier.time < gap.time ? (earlier.size - gap.size) / (gap.time - earlier.time) : speed;
-  const double expected = std::clamp(closing + 0.25 * (speed - closing), -0.9 * speed, speed);
-  return gap.time + 2 * gap.size / (speed + expected);
+  const double rate = earlier.time < gap.time ? (earlier.size - gap.size) / (gap.time - earlier.time) : speed;
+  const double expected_rate = std::clamp(rate + 0.25 * (speed - rate), -0.9 * speed, speed);
+  return gap.time + 2 * gap.size / (speed + expected_rate);
 }
 
 // What PathOptions says of errors that it leaves open, as a part of the radii.
@@ -61,14 +62,16 @@ PathImpact advance_to_impact(MovingDistance& moving, double begin, const PathOpt
     if (result.witness) result.normal = moving.normal_at(time, *result.witness);
     return result;
   };
-  double free_until = begin;             // nothing touches before
-  double end = options.max_time;         // what is later does not matter; with a witness, the models touch there
-  Interval ahead{after_all, after_all};  // nothing touches in it either, though a hole may be left before it
+  // Nothing touches in [begin, free_until), nor in `ahead`; a hole may be left between them. What is later than `end`
+  // does not matter. If there is a witness, the models touch at `end`. `time` is in [free_until, end].
+  double free_until = begin, end = options.max_time;
+  Interval ahead{after_all, after_all};
   Gap earlier{begin, 0};
   for (double time = begin; free_until <= end;) {
     // A tenth of the distance is exact enough to go on: steps are hardly shorter. With a separation, of the last gap.
     const double limit = (touching + moving.most_in(options.max_time - time)) * base::outward;
-    DistanceOptions errors{separation == 0 ? 0.1 : 0, std::max(0.25 * error, 0.1 * earlier.size), limit};
+    const double relative = separation == 0 ? 0.1 : 0, absolute = std::max(0.25 * error, 0.1 * earlier.size);
+    DistanceOptions errors{relative, absolute, limit};
     std::optional<DistanceResult> found = moving.at(time, errors);
     // Asked again, what does not touch has a gap of 3/4 of the error or more: so time goes on.
     if (found && found->upper > touching && found->lower <= separation + 0.5 * error) {
@@ -88,12 +91,12 @@ PathImpact advance_to_impact(MovingDistance& moving, double begin, const PathOpt
     LIMBER_ASSERT(found->lower > separation + 0.5 * error);
     const Gap gap{time, found->lower - separation};
     const double reach = moving.time_for(gap.size) - 0x1p-52;  // the ends are rounded
+    LIMBER_ASSERT(reach > 0);                                  // as the error is at least 2^-40 of the speed
     const Interval around{time - reach, found->status == DistanceStatus::beyond_limit ? after_all : time + reach};
     if (around.begin > free_until) {  // not connected yet: remember it, and fill the hole
       ahead = around, time = free_until;
       continue;
     }
-    LIMBER_ASSERT(time < around.end);
     free_until = std::max(free_until, around.end);
     if (ahead.begin <= free_until) free_until = std::max(free_until, ahead.end);
     if (free_until < end) free_until = std::max(free_until, moving.apart_until(time, end, separation, gap.size));
@@ -143,8 +146,9 @@ PathDistance nearest(MovingDistance& moving, const PathOptions& options) {
     // Where the bounds from both ends meet.
     const double meets = p.begin + 0.5 * (p.end - p.begin) + 0.5 * (moving.time_for(p.at_begin - p.at_end));
     const double middle = std::clamp(meets, p.begin, p.end);
-    const std::optional<double> there = p.begin < middle && middle < p.end ? lower_at(middle) : std::nullopt;
-    if (!there) break;  // the budget is spent; or nothing moves in so short a time
+    if (!(p.begin < middle && middle < p.end)) break;  // nothing moves in so short a time
+    const std::optional<double> there = lower_at(middle);
+    if (!there) break;  // the budget is spent
     pieces.take();
     pieces.push(piece(p.begin, middle, p.at_begin, *there));
     pieces.push(piece(middle, p.end, *there, p.at_end));
@@ -164,11 +168,13 @@ constexpr auto impact_on_whole_way = [](MovingDistance& moving, const PathOption
   return advance_to_impact(moving, 0, options);
 };
 
+constexpr auto no_motions = []() -> const MovingBodies* { return nullptr; };
+
 /// What the public queries have in common: checks the arguments, and asks `question`, which is impact_on_whole_way() or
 /// nearest(). `motions` says how the bodies move where the paths are motions.
 template <auto question>
-auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, double speed,
-         const PathOptions& options, const char* function, FindMotions motions) {
+auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, const PathOptions& options,
+         const char* function, double speed, FindMotions motions = no_motions) {
   check_path_options(options, function);
   check_speed(path_a.speed, function);
   check_speed(path_b.speed, function);
@@ -178,20 +184,13 @@ auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath&
 }
 
 template <auto question>
-auto ask(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b, const PathOptions& options,
-         const char* function) {
-  return ask<question>(a, path_a, b, path_b, path_a.speed + path_b.speed, options, function,
-                       []() -> const MovingBodies* { return nullptr; });
-}
-
-template <auto question>
 auto ask(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
          const PathOptions& options, const char* function) {
   const auto pose_a = [&](double time) { return motion_a.at(time); };
   const auto pose_b = [&](double time) { return motion_b.at(time); };
   const MovingBodies bodies{a, motion_a, b, motion_b};
-  return ask<question>(a, RigidPath{pose_a}, b, RigidPath{pose_b}, relative_speed(a, motion_a, b, motion_b), options,
-                       function, [&] { return &bodies; });
+  return ask<question>(a, RigidPath{pose_a}, b, RigidPath{pose_b}, options, function,
+                       relative_speed(a, motion_a, b, motion_b), [&] { return &bodies; });
 }
 
 }  // namespace
@@ -234,7 +233,8 @@ PathImpact first_impact(const Body& body, const RigidPath& path, const RigidMoti
 PathImpact time_of_impact(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return motion::ask<motion::impact_on_whole_way>(a, path_a, b, path_b, options, "limber::time_of_impact");
+  return motion::ask<motion::impact_on_whole_way>(a, path_a, b, path_b, options, "limber::time_of_impact",
+                                                  path_a.speed + path_b.speed);
 }
 
 PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
@@ -246,7 +246,8 @@ PathImpact time_of_impact(const Body& a, const RigidMotion& motion_a, const Body
 PathDistance min_distance(const Body& a, const RigidPath& path_a, const Body& b, const RigidPath& path_b,
                           const PathOptions& options) {
   const base::DefaultFloatEnvironment environment;
-  return motion::ask<motion::nearest>(a, path_a, b, path_b, options, "limber::min_distance");
+  return motion::ask<motion::nearest>(a, path_a, b, path_b, options, "limber::min_distance",
+                                      path_a.speed + path_b.speed);
 }
 
 PathDistance min_distance(const Body& a, const RigidMotion& motion_a, const Body& b, const RigidMotion& motion_b,
