@@ -14,9 +14,8 @@
 
 #include "base/check.h"
 #include "base/float_environment.h"
-#include "io/polygon_triangles.h"
+#include "io/mesh_of_soup.h"
 #include "io/soup.h"
-#include "io/welding.h"
 
 namespace limber {
 namespace {

@@ -4,7 +4,7 @@
 // Differs  Corners may lie on straight lines and be visited twice, as by a cut that leads to a hole. Positions equal to
 //          a corner of the ear do not spoil it; every other one on its border does, so no corner ends inside an edge.
 //          Where the face comes to one of its edges from inside, no ear may be left: edge and corner part the face.
-#include "io/polygon_triangles.h"
+#include "io/mesh_of_soup.h"
 
 #include <algorithm>
 #include <cmath>

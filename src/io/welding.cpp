@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/welding.h"
+#include "io/mesh_of_soup.h"
 
 #include <algorithm>
 #include <cmath>

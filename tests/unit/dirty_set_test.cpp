@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "model/motion_margin.h"
+#include "model/tree_updater.h"
 #include "scenes/scenes.h"
 
 namespace limber::testing {
