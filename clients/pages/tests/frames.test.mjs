@@ -167,6 +167,24 @@ test('a view that follows the ball has it in the middle; its path has a dot for 
     assert.equal(await page.locator('.marks .path, .marks .dots').count(), 0);
   }));
 
+test('boxes that a browser has restored after a reload say what is shown', () => {
+  // Turns both boxes over as soon as they are there, before the page's own script runs.
+  const script = `new MutationObserver((_, observer) => {
+    const boxes = document.querySelectorAll('#follow, #show-path');
+    if (boxes.length < 2) return;
+    observer.disconnect();
+    for (const box of boxes) box.checked = !box.checked;
+  }).observe(document, { childList: true, subtree: true });`;
+  return session.show('usual', { script }, async (page) => {
+    assert.equal(await page.isChecked('#show-path'), false);
+    assert.equal(await page.locator('.marks .path, .marks .dots').count(), 0);
+    assert.equal(await page.isChecked('#follow'), false);
+    await page.check('#show-path');
+    await settled(page);
+    assert.ok((await page.locator('.marks .path').count()) > 0);
+  });
+});
+
 test('charts say their medians and maxima, all in microseconds, and the summary is that of the terminal', async () => {
   for (const name of ['usual', 'few']) {
     await session.show(name, async (page) => {

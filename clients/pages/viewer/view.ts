@@ -4,7 +4,7 @@
 /**
  * The models of a row in 3D. View.show() draws them, and marks their names and closest points above; buttons say where
  * to look from, boxes what is shown. Of frames, a model that moves as a whole has a path, and the view may follow it.
- * Lists of two are about A and B. The view has its own coordinates, in which all that it can show has size 1.
+ * The view has its own coordinates, in which all that it can show has size 1.
  */
 
 import { Box3, Matrix4, Vector3 } from 'three';
@@ -47,7 +47,7 @@ export class View {
   // Of the row that is shown:
   private row = 0;
   private viewFromWorld: Matrix4;
-  private pair: readonly Part[] = [];
+  private pair: readonly Part[] = []; // A and B of the row. So are all lists of two, which `ab` indexes.
   private boxes: readonly Box3[] = []; // of both in all frames, in the view's coordinates
   private closest = { center: new Vector3(), radius: 0.5 };
 
@@ -101,7 +101,10 @@ export class View {
     if (kind === 'frames' && this.box('follow').checked) this.viewer.moveTo(this.travellerAt(this.keptFrame));
   }
 
-  /** The number of the row's frame among those that the page has, every `stride`-th one; 0 of pairs. */
+  /**
+   * Of frames, rows are those of one playing after the other; the page has the geometry of every `stride`-th frame of a
+   * playing, and this is the number of the row's frame among these. 0 of pairs.
+   */
   private get keptFrame(): number {
     return (this.row % this.data.frame_count) / this.data.stride;
   }
@@ -193,19 +196,22 @@ export class View {
   private connectTraveller(): void {
     const { frame_count, stride } = this.data;
     const part = this.pair[this.traveller];
-    const [name, follow, showPath] = ['AB'[this.traveller], this.box('follow'), this.box('show-path')];
+    const [name, follow, pathBox] = ['AB'[this.traveller], this.box('follow'), this.box('show-path')];
+    follow.checked = false; // after a reload, browsers restore boxes, but the view is a new one
     for (const id of ['follow-label', 'path-label']) byId(id).hidden = !part.moves;
     if (!part.moves) return;
     byId('follow-text').textContent = `Follow ${name}`;
     byId('path-caption').textContent = `The line is the path of ${name}, with dots where the models touch.`;
-    // The path has every step-th frame of the page, and stands there for all frames, and all playings, up to the next.
+    // The path has a point for every step-th frame of the page. A point has a dot if the models touch in that frame, or
+    // in one between it and the next point, of any playing.
     const step = Math.ceil(frame_count / stride / mostPathPoints);
     const count = Math.ceil(frame_count / (step * stride));
     const points = Array.from({ length: count }, (_, i) => this.travellerAt(i * step));
     const touched = stretchesThatMeet(this.data, step * stride);
     const path = { points, dots: points.filter((_, i) => touched.has(i)) };
-    this.marks.show({ path });
-    showPath.addEventListener('change', () => this.marks.show({ path: showPath.checked ? path : undefined }));
+    const showPath = (): void => this.marks.show({ path: pathBox.checked ? path : undefined });
+    showPath();
+    pathBox.addEventListener('change', showPath);
     const stop = (): boolean => (follow.checked = false);
     for (const id of [...Object.keys(directions), 'closest']) byId(id).addEventListener('click', stop);
     byId('up').addEventListener('change', stop);
