@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/primitives.h"
 #include "geometry/features.h"
+#include "geometry/primitives.h"
 #include "geometry/triangle_contact.h"
 #include "limber/contacts.h"
 #include "pair/placed_pair.h"
