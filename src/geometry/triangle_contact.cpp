@@ -4,8 +4,8 @@
 // The contact of two triangles: closest features, a normal from a to b, and how deep they are in each other.
 //
 // 1. features_and_direction() finds the closest features; of pairs that cross beyond doubt the kernel find_crossings().
-// 2. Apart: the normal is the line of the closest points. If rounding turns it, normal_of_a_small_gap() finds the
-//    direction along which the triangles leave the largest gap.
+// 2. Apart: the normal is that of a plane that keeps them apart, across the line of the closest points. If rounding
+//    turns it, normal_of_a_small_gap() finds the direction along which the triangles leave the largest gap.
 // 3. Intersecting: separate() finds the axis along which they overlap least, and that overlap, the depth. The kernel
 //    find_least_overlaps() does so for ordinary triangles, LeastOverlap for all others.
 // 4. Where faces have an outside, intersecting ones get the normal out_of_a(), between that of a and the negative of

@@ -18,7 +18,8 @@
 //
 // With `wants_pruned_bound` each step also finds a lower bound of the gaps of the pairs that it prunes:
 //   excess                 step 2: how much more than the prune distance the gaps are. Errors are subtracted already.
-//   pruned_sq, bound_sq    steps 3 and 4: squared gaps. Errors are subtracted at the end of find_candidates_of() only.
+//   pruned_sq              steps 3 and 4: squared gaps. Errors are subtracted at the end of find_candidates_of().
+//   bound_sq               the same of pairs that are kept, which whoever compares it makes less by Candidates::error.
 
 #if defined(LIMBER_SIMD_FIND_CANDIDATES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_FIND_CANDIDATES_INL_H

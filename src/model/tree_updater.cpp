@@ -5,8 +5,8 @@
 //
 //                                without a motion margin             with one
 //   move()                       the lowest nodes of its vertices    those of its vertices beyond the margin
+//     of very many vertices      all nodes                           those of its vertices beyond the margin
 //     no memory for the index    all nodes                           all nodes
-//     of very many vertices      all nodes                           as above
 //   move_all()                   all nodes                           the lowest nodes of vertices beyond the margin
 //   rebuild_all(), a new unit    all nodes                           all nodes
 //

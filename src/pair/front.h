@@ -105,9 +105,9 @@ class Front {
     direction_ = direction;
   }
   /// Ends a traversal that needs no continuation. If its collector was done early, there are pairs left in the queue:
-  /// they are given to the records that they come from. `unit_a` is the unit of a's tree, in which their bounds are.
-  void finish(double unit_a) {
-    give_back_queue(unit_a);
+  /// they are given to the records that they come from.
+  void finish() {
+    give_back_queue(unit_[0]);
     open_pairs_ = 0;
     is_complete_ = true;
   }
@@ -125,8 +125,12 @@ class Front {
     return std::abs(limit - tied_distance_) <= 2 * rounding;  // of the best and of the tie
   }
 
-  /// Forgets all records, but keeps bound(), a lower bound of the distance of the models.
-  void forget_records() { count_ = 0, without_room_ = 0, open_pairs_ = 0; }
+  /// Forgets all records, but keeps bound(), a lower bound of the distance of the models. Pre: no traversal is
+  /// suspended, as pairs in its queue may name records.
+  void forget_records() {
+    LIMBER_ASSERT(!is_suspended_);
+    count_ = 0, without_room_ = 0, open_pairs_ = 0;
+  }
   /// Whether more expansions found no room than there is room for: then the records are hardly of use.
   bool overflows() const { return without_room_ > capacity; }
   /// How many pairs were open where the last traversal was interrupted.

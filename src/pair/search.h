@@ -132,7 +132,7 @@ Unsearched recording(const Search& search, double root_bound, bool continues, Qu
   walk.run();
   const Unsearched left = unsearched(search, root_bound, walk.least_open(), state.work, collector);
   if (!walk.observer().is_recording() || state.queue.empty() || collector.is_done()) {
-    front.finish(search.placed.tree(Side::a).unit);
+    front.finish();
   } else {
     front.suspend(search.pruning.cutoff(), search.pruning.direction());
   }
@@ -158,7 +158,7 @@ Unsearched with_cache(const Search& search, double root_bound, QueryCache::Impl&
   if (!continues) front.begin(placed, search.frames.a_from_b());
   if (front.bound() >= search.pruning.cutoff()) {
     cache.judge_bound(true);
-    if (!continues) front.finish(placed.tree(Side::a).unit);
+    if (!continues) front.finish();
     return {std::max(root_bound, front.bound())};
   }
   Unsearched left{0};
@@ -167,7 +167,7 @@ Unsearched with_cache(const Search& search, double root_bound, QueryCache::Impl&
   } else {
     front.forget_records();
     left = without_cache(search, root_bound, collector);
-    front.finish(placed.tree(Side::a).unit);
+    front.finish();
     cache.work_of_new = left.work;
     cache.judge_bound(false);
   }

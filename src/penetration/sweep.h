@@ -121,7 +121,7 @@ class Sweep {
 
   Side a_, b_;
   double scale_;  // a power of two: coordinates of a and of b are together less than 1 in size
-  double error_;  // what rounding changes the difference of a corner of a and one of b by at most; scaled
+  double error_;  // at least three times what rounding moves a placed corner by; scaled
   Vec3 x_, y_, z_;
   pair::HeapOrder<Pair> waiting_;
   SweepResult best_;   // lengths are scaled

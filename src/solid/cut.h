@@ -123,7 +123,8 @@ class Cut {
   /// or keep two of them apart, so that the numbers of one do not follow from those of another.
   bool is_shared() const { return is_shared_; }
 
-  /// Looks into all cells beside the segment on one side of t, the front (1) or the back (-1).
+  /// Looks into all cells beside the segment on one side of t, the front (1) or the back (-1). Pre: t has corners on
+  /// both sides of x.
   void look(Cells& cells, int side_of_t) const {
     for (const int side_of_x : {1, -1}) follow(cells, begin(cells, side_of_t, side_of_x), side_of_t, side_of_x);
   }

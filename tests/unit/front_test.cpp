@@ -159,7 +159,7 @@ TEST(Front, PrunesUntilTheMotionIsUsedUp) {
   front.record_children(record, 0b101, Front::Kind::settled, 3.0);
   front.record_children(record, 0b010, Front::Kind::open, 2.0);
   EXPECT_EQ(front.bound_of(front.records()[record]), 2.0);
-  front.finish(1);
+  front.finish();
   front.begin(there, a_from_b(there));
   EXPECT_NEAR(front.motion_bound(), 0.1, 1e-6);
   EXPECT_GE(front.motion_bound(), 0.1);
@@ -183,7 +183,7 @@ TEST(Front, IsDroppedWhenIncomplete) {
     Front front;
     front.begin(placed, a_from_b(placed));
     front.add({0, 0}, Side::a);
-    if (is_finished) front.finish(1);
+    if (is_finished) front.finish();
     front.begin(placed, a_from_b(placed));
     EXPECT_EQ(front.records().size(), is_finished ? 1U : 0U);
   }
