@@ -83,7 +83,7 @@ class Front {
       clear();
       for (const Side s : {Side::a, Side::b}) build_id_[index(s)] = placed.tree(s).build_id;
     } else {
-      if (is_suspended_) open_pairs_ = give_back_queue(unit_[0]);
+      if (is_suspended_) open_pairs_ = give_back_queue();
       if (!is_at_rest(placed)) add_motion(placed, a_from_b);
     }
     for (const Side s : {Side::a, Side::b}) {
@@ -107,7 +107,7 @@ class Front {
   /// Ends a traversal that needs no continuation. If its collector was done early, there are pairs left in the queue:
   /// they are given to the records that they come from.
   void finish() {
-    give_back_queue(unit_[0]);
+    give_back_queue();
     open_pairs_ = 0;
     is_complete_ = true;
   }
@@ -125,12 +125,8 @@ class Front {
     return std::abs(limit - tied_distance_) <= 2 * rounding;  // of the best and of the tie
   }
 
-  /// Forgets all records, but keeps bound(), a lower bound of the distance of the models. Pre: no traversal is
-  /// suspended, as pairs in its queue may name records.
-  void forget_records() {
-    LIMBER_ASSERT(!is_suspended_);
-    count_ = 0, without_room_ = 0, open_pairs_ = 0;
-  }
+  /// Forgets all records, but keeps bound(), a lower bound of the distance of the models.
+  void forget_records() { count_ = 0, without_room_ = 0, open_pairs_ = 0; }
   /// Whether more expansions found no room than there is room for: then the records are hardly of use.
   bool overflows() const { return without_room_ > capacity; }
   /// How many pairs were open where the last traversal was interrupted.
@@ -199,13 +195,12 @@ class Front {
   /// only dropped where a record has them already, or none is needed:
   ///   - a pair that stands for a whole record, which still has its children;
   ///   - the pair of the roots, and all pairs if the records were forgotten: the next traversal starts from the roots.
-  /// `unit_a` is the unit of a's tree in which the bounds of the queue are.
-  std::size_t give_back_queue(double unit_a) {
+  std::size_t give_back_queue() {
     std::size_t pairs = 0;
     for (; !state_.queue.empty(); ++pairs) {
       const NodePair pair = state_.queue.pop();
       if (pair.child == NodePair::whole_record || pair.record >= count_) continue;
-      const double bound = std::sqrt(static_cast<double>(pair.bound_sq)) * unit_a * double{base::squares_down};
+      const double bound = std::sqrt(static_cast<double>(pair.bound_sq)) * unit_[0] * double{base::squares_down};
       record_children(pair.record, 1U << pair.child, Kind::open, bound);
     }
     return pairs;
