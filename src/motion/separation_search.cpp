@@ -181,9 +181,11 @@ class SeparationSearch {
     const Vectors a = start_vectors_ + from.time * motion_of_vectors_,
                   b = start_vectors_ + to.time * motion_of_vectors_;
     if (are_planes_apart(a, b) || are_apart_along(begin, cross(a.u, a.v), end, cross(b.u, b.v))) return true;
-    return std::ranges::any_of(is_face() ? std::span<const EdgeAndWay>(of_face) : of_edges, [&](const EdgeAndWay& i) {
+    const auto are_apart_across = [&](const EdgeAndWay& i) {
       return are_apart_along(begin, across(i, begin), end, across(i, end));
-    });
+    };
+    const std::span<const EdgeAndWay> all = is_face() ? std::span<const EdgeAndWay>(of_face) : of_edges;
+    return std::any_of(all.begin(), all.end(), are_apart_across);
   }
 
   /// Bound 3: det(u, v, w) / |u x v|. The length of a quadratic in Bernstein form is at most the largest length of its
