@@ -152,7 +152,8 @@ void partition_few(std::span<PrimitiveRef> primitives, const BuildRange& range, 
   const std::span<PrimitiveRef> used = primitives.subspan(range.begin, range.end - range.begin);
   FewPrimitives few(used, half_sides);
   few.split_into_leaves({0, used.size(), range.children});
-  std::ranges::copy(few.in_order(used.size()), used.begin());
+  const auto in_order = few.in_order(used.size());
+  std::copy(in_order.begin(), in_order.end(), used.begin());
 }
 
 }  // namespace limber::bvh
