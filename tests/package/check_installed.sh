@@ -111,7 +111,7 @@ check_missing_component() {
   cp -a -- "$prefix" "$scratch/without_io"
   rm -- "$scratch/without_io/${libraries#"$prefix"/}"/cmake/limber/limberIoTargets*.cmake
   for component in io telepathy; do
-    if message=$(cmake -S "$here/seeker" -B "$scratch/build" "-DCOMPONENT=$component" \
+    if message=$(cmake -G Ninja -S "$here/seeker" -B "$scratch/build" "-DCOMPONENT=$component" \
       "-DCMAKE_PREFIX_PATH=$scratch/without_io" 2>&1); then
       die "component $component was found"
     fi
@@ -120,7 +120,7 @@ check_missing_component() {
       *) [[ $message == *"limber has no component 'telepathy'"* ]] || die "$message" ;;
     esac
   done
-  cmake -S "$here/seeker" -B "$scratch/build" "-DCMAKE_PREFIX_PATH=$scratch/without_io" -DCOMPONENT= >/dev/null
+  cmake -G Ninja -S "$here/seeker" -B "$scratch/build" "-DCMAKE_PREFIX_PATH=$scratch/without_io" -DCOMPONENT= >/dev/null
 }
 
 # The shared libraries show what the lists in exports say, with the types of arguments, and nothing else.
@@ -144,7 +144,7 @@ check_run_paths() {
     [[ $(readelf -d "$libraries/lib$library.so") != *PATH* ]] || die "lib$library.so names folders to search"
   done
   for install_prefix in /usr /opt/limber; do
-    cmake -S "$LIMBER_SOURCE_DIR" -B "$scratch/build" -DBUILD_SHARED_LIBS=ON -DLIMBER_BUILD_TESTS=OFF \
+    cmake -G Ninja -S "$LIMBER_SOURCE_DIR" -B "$scratch/build" -DBUILD_SHARED_LIBS=ON -DLIMBER_BUILD_TESTS=OFF \
       "-DCMAKE_INSTALL_PREFIX=$install_prefix" -DCMAKE_INSTALL_LIBDIR=lib >/dev/null
     found=$(grep -rhoE 'NEW_RPATH "[^"]+"' "$scratch/build" --include=cmake_install.cmake || true)
     case $install_prefix in
