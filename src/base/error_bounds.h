@@ -102,7 +102,7 @@ inline constexpr double gap_error = 0x1p-47;
 /// What rounding usually makes of the gap of a pair with the same closest features as the best one, as a part of the
 /// extent. No bound: pairs whose gap is off by more are compared, which costs time only.
 inline constexpr double usual_gap_error = 0x1p-51;
-/// What rounding usually makes of such a gap before triangles are placed, as a part of local_gap_error. No bound.
+/// The usual rounding of a gap that is computed before triangles are placed, as a part of local_gap_error. No bound.
 inline constexpr double usual_local_gap_part = 0x1p-3;
 /// Rounding of this part of the distance may decide which of many pairs that are equally close is the answer.
 inline constexpr double tie_error = 0x1p-45;

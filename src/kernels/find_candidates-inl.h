@@ -122,7 +122,7 @@ LIMBER_KERNEL std::uint64_t kept_along_direction(const bvh::QuantizedTriangles& 
   }
   std::uint64_t wanted = 0;
   const Packet pruned_support = Packet::set(pair.pruned_support);
-  const Packet most = Packet::set(base::max_units);  // for pairs that are kept: pruned_support is not above it
+  const Packet most = Packet::set(base::max_units);  // what kept pairs count as: no gap is larger
   Packet least = most;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet support_b = farthest_corners(b, i, broadcast(pruning.other_direction32)) * Packet::set(pair.step_b);

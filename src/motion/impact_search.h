@@ -29,8 +29,8 @@
 namespace limber::motion {
 
 /// A collector says what is looked for, and is offered, by compare(), what may touch. If its constant `at_any_pace` is
-/// true, it is offered pairs that may be near if each vertex is anywhere on its way, whatever others do; without pairs
-/// of leaves of which its stays(side, leaf) is true.
+/// true, it is offered pairs that may be near if each vertex is anywhere on its way, whatever others do. It then has a
+/// function stays(side, leaf) as well, and pairs of leaves that both stay are left out.
 template <typename Collector>
 concept CollectsImpacts = requires(Collector& collector, const Collector& asked, const ElementPair& pair,
                                    const MovingElements& elements) {

@@ -31,7 +31,7 @@ constexpr double squared_length_down = 1 - 0x1p-48;
 // The factor leaves 8 u; 2 u are needed: for the sum of two radii, and for its product with this.
 constexpr double radii_up = 1 + 0x1p-50;
 
-/// Boxes that meet no other, unless that is infinite: margins have to be finite.
+/// Boxes that meet no finite box; so margins have to be finite.
 BoxNode empty_boxes() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   BoxNode boxes;

@@ -68,7 +68,7 @@ PathImpact advance_to_impact(MovingDistance& moving, double begin, const PathOpt
   Interval ahead{after_all, after_all};
   Gap earlier{begin, 0};
   for (double time = begin; free_until <= end;) {
-    // A tenth of the distance is exact enough to go on: steps are hardly shorter. With a separation, of the last gap.
+    // Without a separation a tenth of the distance is exact enough to go on; with one, a tenth of the last gap.
     const double limit = (touching + moving.most_in(options.max_time - time)) * base::outward;
     const double relative = separation == 0 ? 0.1 : 0, absolute = std::max(0.25 * error, 0.1 * earlier.size);
     DistanceOptions errors{relative, absolute, limit};
