@@ -7,7 +7,7 @@
 //   2. the distance of the boxes, in the frame of either tree (box_gaps, own_box_gaps);
 //   3. the gap along the normal of either slab, with the gap of the spheres across it (slab_sq);
 //   4. the gap along the line of centers (slab_sq).
-// A fifth, the gap along the search direction, prunes on its own (near_along).
+// A fifth, the gap along the search direction, prunes on its own (compare_along).
 
 #if defined(LIMBER_SIMD_BOUND_CHILDREN_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_CHILDREN_INL_H
@@ -30,26 +30,36 @@ namespace {
 // Against divisions by 0. A divisor that is too large only lowers what is divided.
 inline constexpr float smallest_divisor = 0x1p-50F, smallest_radius_sum = 0x1p-100F;
 
-/// Returns the children that the search direction does not prune. Sets `bound_sq`, for all children, to the squared gap
-/// along it, with the gap of the spheres across it.
-LIMBER_KERNEL Mask near_along(const NodePairs& p, const ProjectedDirection& direction, Packet& bound_sq) {
+/// How the children are along the search direction.
+struct Along {
+  Mask are_near;    // the direction does not prune them
+  Packet bound_sq;  // the squared gap along it, with the gap of the spheres across it
+  Packet extent;    // as Support::extent
+};
+
+LIMBER_KERNEL Along compare_along(const NodePairs& p, const ProjectedDirection& direction) {
   const Packet3 n = broadcast(direction.direction);
   const Packet cosine = dot(p.normal, n);
   const Packet3 crossed = cross(p.normal, n);
-  const Packet sphere_support =
-      support(p.radius, select(cosine > zero(), p.upper, p.lower), abs(cosine), sqrt(dot(crossed, crossed)));
+  const Packet sine = sqrt(dot(crossed, crossed)), cosine_abs = abs(cosine);
+  const Cap near = select(cosine > zero(), p.upper, p.lower);
+  const Packet along_x = abs(n.x) * p.half.x, along_y = abs(n.y) * p.half.y, along_z = abs(n.z) * p.half.z;
+  const Packet box = along_x + along_y + along_z;
+  const Packet child_support = min(support(p.radius, near, cosine_abs, sine), box);
+  const Packet twice_longest = Packet::set(2) * max(max(along_x, along_y), along_z);
+  const Packet touched = max(near.height * cosine_abs - near.rim * sine, twice_longest - box);
   // P is the prune distance, G the gap along n less all errors, deficit = P - G, and missing = P - max(G, 0);
   // pruned_support contains P, the errors, and the place and extent of the other node. Across n, the spheres are apart
   // by `across`. A child is pruned where max(G, 0)^2 + across^2 >= P^2, that is, where across^2 is at least P^2 - (P -
   // missing)^2, `needed_sq`.
-  const Packet deficit =
-      dot(n, p.center) + min(sphere_support, box_support(p.half, n)) - Packet::set(direction.pruned_support);
+  const Packet deficit = dot(n, p.center) + child_support - Packet::set(direction.pruned_support);
   const Packet3 crossed_d = cross(p.d, n);
   const Packet across = max(sqrt(dot(crossed_d, crossed_d)) * Packet::set(base::squares_down) - p.radius_sum, zero());
   const Packet prune_distance = Packet::set(direction.prune_distance), missing = min(deficit, prune_distance);
   const Packet needed_sq = missing * (prune_distance + (prune_distance - missing));
-  bound_sq = gap_sq(prune_distance * Packet::set(base::squares_down) - deficit, across);
-  return (deficit > zero()) & (needed_sq >= across * across * Packet::set(base::squares_down));
+  return {(deficit > zero()) & (needed_sq >= across * across * Packet::set(base::squares_down)),
+          gap_sq(prune_distance * Packet::set(base::squares_down) - deficit, across),
+          child_support - Packet::set(0.5F) * touched};
 }
 
 /// Gaps along three axes, negative where the boxes overlap.
@@ -152,10 +162,20 @@ LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint
   select(best > zero(), best, min(overlap, zero())).store(order + i);  // the bound, or minus the depth of the overlap
   // With `overlap_only` the limit is next to 0, so it does not matter that a gap is not squared.
   unsigned kept = bits(best < limit);
-  Packet along_sq = zero();
-  if (direction != nullptr) kept &= bits(near_along(p, *direction, along_sq));
-  if (bound_sq != nullptr) max(best, along_sq * down).store(bound_sq + i);
-  return {kept, kept & bits(best <= zero())};
+  const unsigned overlapping = bits(best <= zero());
+  Packet extent = Packet::set(0.5F) * (p.upper.height + p.lower.height);
+  Packet extent_o = Packet::set(0.5F * (other.high - other.low));
+  if (direction != nullptr) {
+    const Along along = compare_along(p, *direction);
+    kept &= bits(along.are_near);
+    if (bound_sq != nullptr) best = max(best, along.bound_sq * down);
+    const Mask are_apart = p.sphere_gap > zero();
+    extent = select(are_apart, along.extent, extent);
+    extent_o = select(are_apart, Packet::set(direction->other_extent), extent_o);
+  }
+  if (bound_sq != nullptr) best.store(bound_sq + i);
+  const Packet more = Packet::set(share_of_radius) * (p.radius - Packet::set(other.radius)) + (extent - extent_o);
+  return {kept, kept & overlapping, overlap_only ? 0 : bits(more >= zero())};
 }
 
 LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
@@ -167,16 +187,16 @@ LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const SlotRef& oth
   const bool has_direction = pruning.has_direction && pruning.distance * transform.per_unit < base::max_units / 2;
   if (has_direction) direction = project_direction(node, other, transform, pruning, center);
   const bool overlap_only = pruning.distance <= smallest_prune_distance && bound_sq == nullptr;
-  KeptSlots kept{0, 0};
+  KeptSlots kept{0, 0, 0};
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const ProjectedDirection* const along = has_direction ? &direction : nullptr;
     const KeptSlots these =
         overlap_only ? bound_packet<true>(node.bounds, i, projected, transform, along, limit_sq, order, bound_sq)
                      : bound_packet<false>(node.bounds, i, projected, transform, along, limit_sq, order, bound_sq);
-    kept.all |= these.all << i, kept.overlapping |= these.overlapping << i;
+    kept.all |= these.all << i, kept.overlapping |= these.overlapping << i, kept.larger |= these.larger << i;
   }
   const unsigned used = (1U << node.child_count) - 1;
-  return {kept.all & used, kept.overlapping & used};
+  return {kept.all & used, kept.overlapping & used, kept.larger & used};
 }
 
 // Kernels::bound_leaf: a lower bound of the distance between the triangles of a leaf and a volume of the other tree.

@@ -69,6 +69,7 @@ struct ProjectedDirection {
   const float* direction;
   float pruned_support;
   float prune_distance;  // in units
+  float other_extent;    // Support::extent of the projected node, towards the children
 };
 
 /// Two leaves in the frame of a, relative to the center of a, scaled so that all numbers are about 1 or less.
@@ -163,16 +164,24 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const SlotRef& o
   return p;
 }
 
-/// Upper bound of the support of a slot along a direction of its own frame, from its center, in its own units: of the
-/// quantized corners of a leaf; otherwise of the sphere cut by the slab, or of the box (docs/algorithms/bounds.md).
-LIMBER_KERNEL float support(const SlotRef& other, const float* direction) {
+/// How far a volume reaches along a direction, at most; and less half of what it reaches at least: box and slab touch
+/// what they bound, so that reaches as far as the lowest point of the volume on one of their faces. The latter is large
+/// where opening the node may gain much. It need not be exact.
+struct Support {
+  float upper, extent;
+};
+
+/// The support of a slot along a direction of its own frame, from its center, in its own units: of the quantized
+/// corners of a leaf; otherwise of the sphere cut by the slab, or of the box (docs/algorithms/bounds.md).
+LIMBER_KERNEL Support support(const SlotRef& other, const float* direction) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;
   const float radius = n.radius[k];
   if (other.triangles != nullptr) {
     const float step = radius * (1 / bvh::max_quantized);
-    return leaf_support(*other.triangles, direction) * step + static_cast<float>(base::quantization_error) * step +
-           radius * base::projection_error;
+    return {leaf_support(*other.triangles, direction) * step + static_cast<float>(base::quantization_error) * step +
+                radius * base::projection_error,
+            0};
   }
   const float x = n.normal_x[k], y = n.normal_y[k], z = n.normal_z[k];
   const float cosine = direction[0] * x + direction[1] * y + direction[2] * z, cosine_abs = std::abs(cosine);
@@ -180,21 +189,26 @@ LIMBER_KERNEL float support(const SlotRef& other, const float* direction) {
   const float u = y * direction[2] - z * direction[1], v = z * direction[0] - x * direction[2],
               w = x * direction[1] - y * direction[0];
   const float sine = std::sqrt(u * u + v * v + w * w);
-  const float sphere = radius * cosine_abs > height ? height * cosine_abs + rim_radius(radius, height) * sine : radius;
-  const float box = std::abs(direction[0]) * n.half_x[k] + std::abs(direction[1]) * n.half_y[k] +
-                    std::abs(direction[2]) * n.half_z[k];
-  return std::min(sphere, box) + radius * base::projection_error;
+  const float at_height = height * cosine_abs, at_rim = rim_radius(radius, height) * sine;
+  const float sphere = radius * cosine_abs > height ? at_height + at_rim : radius;
+  const float along_x = std::abs(direction[0]) * n.half_x[k], along_y = std::abs(direction[1]) * n.half_y[k],
+              along_z = std::abs(direction[2]) * n.half_z[k];
+  const float box = along_x + along_y + along_z, upper = std::min(sphere, box);
+  const float touched = std::max(at_height - at_rim, 2 * std::max({along_x, along_y, along_z}) - box);
+  return {upper + radius * base::projection_error, upper - 0.5F * touched};
 }
 
 /// The search direction for the children of `node` and a slot. `center` as for project_node(). Pre: there is one.
 LIMBER_KERNEL ProjectedDirection project_direction(const bvh::Node& node, const SlotRef& other,
                                                    const FrameTransform& transform, const PruneLimits& pruning,
                                                    const double* center) {
-  const double other_support = static_cast<double>(support(other, pruning.other_direction32)) * transform.other_unit;
+  const Support towards_children = support(other, pruning.other_direction32);
+  const double other_support = static_cast<double>(towards_children.upper) * transform.other_unit;
   const double room = dot3(pruning.direction, center) - other_support - pruning.distance - transform.error;
   const double units = std::clamp(room * transform.per_unit, -base::max_units, base::max_units);
   return {pruning.direction32, base::float_down(units) - node.radius * base::projection_error,
-          base::float_up(std::min(pruning.distance * transform.per_unit, base::max_units))};
+          base::float_up(std::min(pruning.distance * transform.per_unit, base::max_units)),
+          towards_children.extent * transform.ratio};
 }
 
 /// The power of two by which a size becomes 1 or more, but below 2: with e the biased exponent of the size, the one

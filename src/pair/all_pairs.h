@@ -144,7 +144,7 @@ class AllPairs {
   // Nodes of the two levels below the root: their pairs of children are split further.
   static constexpr std::uint32_t top_nodes = 64;
 
-  NodePair roots(double root_bound) const { return NodePair::roots(bounds_.limits().bound_of(root_bound)); }
+  NodePair roots(double root_bound) const { return bounds_.roots(bounds_.limits().bound_of(root_bound)); }
 
   Collector& collector_;
   std::uint32_t node_count_;

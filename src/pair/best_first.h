@@ -276,7 +276,7 @@ class BestFirst {
     }
     leaves_.prepare_seed();
     state_.least_sq = bounds_.limits().bound_of(root_bound);
-    const NodePair roots = NodePair::roots(state_.least_sq);
+    const NodePair roots = bounds_.roots(state_.least_sq);
     // The first descent is one long step, so it is not made where a budget may end the query after any step.
     if (may_descend_at_once && !search_.meter.is_limited()) {
       order_.follow_cutoff();  // sets the limits, which tell whether to compare a seed

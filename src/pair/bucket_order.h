@@ -232,7 +232,7 @@ class BucketOrder {
   /// Queues the children that were kept: those that overlap on the stack, the deepest on top, the others in the
   /// buckets.
   template <typename Bounds>
-  void add(const Expansion& e, const Bounds& bounds, bool descends) {
+  [[gnu::always_inline]] void add(const Expansion& e, const Bounds& bounds, bool descends) {
     if (e.kept.all == 0) return;
     unsigned overlapping = e.kept.overlapping;
     if (overlapping == 0 && descends && raises) return push_nearest_first(e, bounds);
@@ -264,7 +264,7 @@ class BucketOrder {
   }
 
   template <typename Bounds>
-  void push(const Expansion& e, const Bounds& bounds, unsigned children) {
+  [[gnu::always_inline]] void push(const Expansion& e, const Bounds& bounds, unsigned children) {
     for (; children != 0; children &= children - 1) {
       state_.queue.push(bounds.child_pair(e, static_cast<std::uint32_t>(std::countr_zero(children))));
     }

@@ -102,31 +102,39 @@ class NodeBounds {
     }
   }
 
-  /// Opens the node of higher split priority, if it can be opened. If it is a leaf, and the bound of the pair is small
-  /// next to that priority, its triangles, one by one, tell more than the children of the other node do, so they are
-  /// looked at first. If they prune the pair, `apart` is what they tell. Pre: are_leaves() is false.
+  /// The pair of roots.
+  NodePair roots(float bound_sq) const {
+    NodePair pair = NodePair::of(bvh::root_slot, bvh::root_slot, bound_sq);
+    pair.is_a_larger = is_a_thicker(pair);
+    return pair;
+  }
+
+  /// Opens the node of higher split priority, if it can be opened. If it is a leaf, the thicker of both counts as that
+  /// node; and if the bound of the pair is small next to its priority, its triangles, one by one, tell more than the
+  /// children of the other node do, so they are looked at first. If they prune the pair, `apart` is what they tell.
+  /// Pre: are_leaves() is false.
   ///
   /// With `raises`, a better bound by those triangles becomes that of the pair.
   template <bool raises>
   [[gnu::always_inline]] Next open(Expansion& e, double& apart) {
     const NodePair& pair = e.pair;
-    const double priority_a = split_priority(Side::a, pair), priority_b = split_priority(Side::b, pair);
-    const bool is_a_first = priority_a >= priority_b;
     // Bitwise: branches here would be mispredicted.
     const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
+    bool is_a_first = pair.is_a_larger;
+    if (!knows_larger || is_leaf_a || is_leaf_b) is_a_first = is_a_thicker(pair);
     const bool is_a = (static_cast<int>(is_a_first) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
     const Side side = is_a ? Side::a : Side::b;
-    const double loose = loose_priorities * std::max(priority_a, priority_b) / tree(Side::a).unit;
-    const bool is_loose = static_cast<double>(pair.bound_sq) < loose * loose;
     Next next = Next::opened;
-    if (is_a != is_a_first && is_loose && !pair.is_bounded) next = bound_by_leaf<raises>(e.pair, other(side), apart);
+    if (is_a != is_a_first && !pair.is_bounded && is_loose(pair, other(side))) {
+      next = bound_by_leaf<raises>(e.pair, other(side), apart);
+    }
     if (next != Next::pruned) e.start(tree(side), pair, side);
     return next;
   }
 
   /// Compares the children of the node that is opened with the other node. Their squared bounds are written where
   /// `bound_sq` points to, if it does.
-  void bound_children(Expansion& e, float* bound_sq) {
+  [[gnu::always_inline]] void bound_children(Expansion& e, float* bound_sq) {
     LIMBER_ASSERT(e.children != 0);
     ++work_;
     const bvh::Node& node = tree(e.side).nodes[e.node];
@@ -136,29 +144,44 @@ class NodeBounds {
                                 search_.pruning.of(e.side), limits_.of(e.side), e.order, bound_sq);
     // Local variables, because GCC would combine the masks in memory.
     const unsigned all = kept.all & e.children, overlapping = kept.overlapping & e.children;
-    e.kept = {all, overlapping};
+    e.kept.all = all, e.kept.overlapping = overlapping;
+    if constexpr (knows_larger) e.kept.larger = kept.larger ^ (e.side == Side::a ? 0U : ~0U);
   }
 
   /// A child that was kept, with the other node.
   NodePair child_pair(const Expansion& e, std::uint32_t child) const {
-    return e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
+    NodePair pair = e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
+    if constexpr (knows_larger) pair.is_a_larger = (e.kept.larger >> child & 1) != 0;
+    return pair;
   }
 
  private:
   // Where every pair is needed, triangles that coincide are pairs of their own.
   static constexpr bool tells_coincident_apart = Collector::hits == Hits::all || Collector::hits == Hits::k_closest;
-  static constexpr float share_of_radius = 0.01F;  // (docs/algorithms/traversal.md)
+  // Whether pairs know which of their nodes has the higher split priority. Where only contacts matter, kernels do not
+  // compute it, and the thicker one is opened first.
+  static constexpr bool knows_larger = Collector::hits == Hits::closest || Collector::hits == Hits::k_closest;
   // A bound below that many times the priority of a leaf is loose. With 1, distances in a room and a maze take twice as
   // long; without a limit, those of a ball far over a square take 1.17 times as long.
   static constexpr double loose_priorities = 2;
 
-  /// How much the bound of a slot leaves open: half the thickness of its slab, and a little of its radius.
+  /// The split priority of a slot without a search direction: half the thickness of its slab, and a little of its
+  /// radius.
   double split_priority(Side s, const NodePair& pair) const {
     const bvh::SlotId slot = pair.slot[index(s)];
     const bvh::Tree& tree = this->tree(s);
     const bvh::ChildBounds& n = tree.nodes[bvh::node_of(slot)].bounds;
     const std::uint32_t k = bvh::slot_of(slot);
-    return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + share_of_radius * n.radius[k]);
+    return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + simd::share_of_radius * n.radius[k]);
+  }
+  /// Whether the node of a has the higher priority of this kind.
+  [[gnu::always_inline]] bool is_a_thicker(const NodePair& pair) const {
+    return split_priority(Side::a, pair) >= split_priority(Side::b, pair);
+  }
+  /// Whether the bound of a pair is small next to the priority of a leaf.
+  [[gnu::always_inline]] bool is_loose(const NodePair& pair, Side of_leaf) const {
+    const double loose = loose_priorities * split_priority(of_leaf, pair) / tree(Side::a).unit;
+    return static_cast<double>(pair.bound_sq) < loose * loose;
   }
 
   /// Compares the triangles of a leaf one by one with the other volume.

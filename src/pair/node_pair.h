@@ -24,15 +24,17 @@ struct NodePair {
   bvh::SlotId slot[2];
   std::uint16_t record;  ///< the Front::Record of the expansion it comes from
   std::uint8_t child;    ///< of that expansion, or whole_record; then `slot` is not used
-  bool is_bounded;       ///< by the triangles of a leaf, see NodeBounds::open()
+  bool is_bounded : 1;   ///< by the triangles of a leaf, see NodeBounds::open()
+  bool is_a_larger : 1;  ///< whether the node of a has the higher split priority, see NodeBounds::open()
 
-  static NodePair of(bvh::SlotId a, bvh::SlotId b, float bound_sq) { return {bound_sq, {a, b}, no_record, 0, false}; }
-  static NodePair roots(float bound_sq) { return of(bvh::root_slot, bvh::root_slot, bound_sq); }
+  static NodePair of(bvh::SlotId a, bvh::SlotId b, float bound_sq) {
+    return {bound_sq, {a, b}, no_record, 0, false, true};
+  }
   /// A slot of one model with itself.
   static NodePair itself(bvh::SlotId slot) { return of(slot, slot, 0); }
   /// All that a record has not expanded.
   static NodePair of_record(std::uint16_t record, float bound_sq) {
-    return {bound_sq, {bvh::root_slot, bvh::root_slot}, record, whole_record, false};
+    return {bound_sq, {bvh::root_slot, bvh::root_slot}, record, whole_record, false, true};
   }
 };
 
@@ -62,7 +64,7 @@ struct Expansion {
   /// For one model: pairs a slot with each later child slot of the same node, which has `count` children. `node` is
   /// that node.
   void start_siblings(bvh::SlotId slot, std::uint32_t count) {
-    pair = {0, {slot, bvh::root_slot}, NodePair::no_record, 0, false};
+    pair = NodePair::of(slot, bvh::root_slot, 0);
     side = Side::b, node = bvh::node_of(slot);
     children = (1U << count) - (2U << bvh::slot_of(slot));
     record = NodePair::no_record, has_record = false;
@@ -95,11 +97,9 @@ struct Expansion {
   NodePair child_pair(std::uint32_t child, float bound_sq) const {
     const bvh::SlotId slot = node * bvh::width + child;
     const bool of_a = side == Side::a;
-    return {bound_sq,
-            {of_a ? slot : pair.slot[0], of_a ? pair.slot[1] : slot},
-            record,
-            static_cast<std::uint8_t>(has_record ? child : pair.child),
-            false};
+    return {bound_sq, {of_a ? slot : pair.slot[0], of_a ? pair.slot[1] : slot},
+            record,   static_cast<std::uint8_t>(has_record ? child : pair.child),
+            false,    true};
   }
 };
 

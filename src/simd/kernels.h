@@ -69,10 +69,14 @@ struct SlotRef {
   std::uint32_t triangle_count = bvh::width;  ///< of that leaf; the last of them fills the slots after it
 };
 
+/// The part of its radius that the split priority of a node has beside its extent (docs/algorithms/traversal.md).
+inline constexpr float share_of_radius = 0.01F;
+
 /// Children of a node, as bit masks.
 struct KeptSlots {
   unsigned all;          ///< the children that are not pruned
   unsigned overlapping;  ///< the children in `all` whose volume may overlap the other one
+  unsigned larger;       ///< the children whose split priority is at least that of the other volume
 };
 
 /// Two triangles of two leaves that are not pruned.
@@ -152,9 +156,13 @@ struct QueryRay {
 ///           overlap of the spheres, as a fraction of the sum of their radii: so the deepest overlap is the least.
 /// bound_sq  nullptr, or for each slot the best bound, that along the search direction included.
 ///
+/// The split priority of a volume is how much a bound may gain when its node is opened: where there is a search
+/// direction and the spheres are apart, the mean of its support along that direction and of how loose that may be; else
+/// half the thickness of its slab; and share_of_radius of its radius.
+///
 /// Slots without a child get numbers that mean nothing. If pruning.distance is smallest_prune_distance and bound_sq is
 /// nullptr, the query only asks whether volumes overlap. A faster way is then taken: positive bounds in `order`
-/// are lengths of some gap, not squares.
+/// are lengths of some gap, not squares, and `larger` is 0.
 using BoundChildren = KeptSlots (*)(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                     const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq);
 

@@ -36,7 +36,7 @@ namespace {
 using pair::BucketQueue;
 using pair::NodePair;
 
-NodePair pair_with(float bound_sq) { return {bound_sq, {0, 0}, 0, 0, false}; }
+NodePair pair_with(float bound_sq) { return {bound_sq, {0, 0}, 0, 0, false, true}; }
 
 // Not inlined: GCC 12 would warn of an overflow that an assertion excludes.
 [[gnu::noinline]] void push(BucketQueue& queue, float bound_sq) { queue.push(pair_with(bound_sq)); }

@@ -232,6 +232,7 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
       const auto expect_same = [&](const BoundedChildren& s, const BoundedChildren& t) {
         EXPECT_EQ(s.kept.all, t.kept.all) << set.name;
         EXPECT_EQ(s.kept.overlapping, t.kept.overlapping) << set.name;
+        EXPECT_EQ(s.kept.larger, t.kept.larger) << set.name;
         EXPECT_EQ(std::memcmp(s.order, t.order, node.child_count * sizeof(float)), 0) << set.name;
         EXPECT_EQ(std::memcmp(s.bound_sq, t.bound_sq, node.child_count * sizeof(float)), 0) << set.name;
       };

@@ -147,6 +147,25 @@ TEST(Queries, WithAnErrorFindCloserPairsOnTheirWay) {
   EXPECT_LE(node_tests, 12'000U);  // 16 100 with one descent, or if no nearer pairs are looked for where others end
 }
 
+// All slabs of a flat disk have thickness 0, but where the search direction runs along it, its nodes are the larger ones.
+TEST(Queries, TakeApartAFlatDiskThatStandsOverAFloor) {
+  const Mesh floor = scenes::grid(64, 64, -1, -1, 1.0 / 32, 1.0 / 32);
+  std::vector<Corners> disk;
+  for (TriangleId t = 0; t < floor.triangles().size(); ++t) {
+    if (length(floor.triangle(t).v0) < 1) disk.push_back(floor.triangles()[t]);
+  }
+  const Model a(Mesh::create(floor.positions(), disk).value()), b(floor);
+  Rng rng(0x5EED0055);
+  std::uint64_t node_tests = 0, swapped = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Transform over{random_rotation(rng), {0, 0, 8}};
+    node_tests += distance({a, over}, {b}).stats.node_tests;
+    swapped += distance({b}, {a, over}).stats.node_tests;
+  }
+  EXPECT_LE(node_tests, 3000U);  // 15 083 where the thickness of slabs decides alone
+  EXPECT_LE(swapped, 3000U);
+}
+
 TEST(Queries, OfTwoTrianglesAreExactWhateverErrorIsAllowed) {
   const Model model(Mesh::create({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}).value());
   const Placed a{model}, b{model, {{}, {0.25, 0.25, 3}}};
