@@ -147,7 +147,7 @@ TEST(Queries, WithAnErrorFindCloserPairsOnTheirWay) {
   EXPECT_LE(node_tests, 12'000U);  // 16 100 with one descent, or if no nearer pairs are looked for where others end
 }
 
-// All slabs of a flat disk have thickness 0, but where the search direction runs along it, its nodes are the larger ones.
+// All slabs of a flat disk have thickness 0, but where the search direction runs along it, its nodes reach farther.
 TEST(Queries, TakeApartAFlatDiskThatStandsOverAFloor) {
   const Mesh floor = scenes::grid(64, 64, -1, -1, 1.0 / 32, 1.0 / 32);
   std::vector<Corners> disk;
