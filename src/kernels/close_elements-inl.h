@@ -140,8 +140,10 @@ class ElementLanes {
 template <bool are_edges, bool swaps, std::uint32_t times, typename List, typename Kept>
 LIMBER_KERNEL void keep_close(List& list, const LeafCorners (&a)[times], const LeafCorners (&b)[times], Packet limit_sq,
                               Kept& kept) {
-  std::fill_n(list.a + list.count, width, std::uint8_t{0}), std::fill_n(list.b + list.count, width, std::uint8_t{0});
-  for (std::uint32_t i = 0; i < list.count; i += Packet::lanes) {
+  const std::uint32_t count = list.count;
+  std::uint32_t n = 0;
+  std::fill_n(list.a + count, width, std::uint8_t{0}), std::fill_n(list.b + count, width, std::uint8_t{0});
+  for (std::uint32_t i = 0; i < count; i += Packet::lanes) {
     const ElementLanes of_a(list.a + i), of_b(list.b + i);
     Packet3 points[times][4];
     for (std::uint32_t time = 0; time < times; ++time) {
@@ -152,12 +154,13 @@ LIMBER_KERNEL void keep_close(List& list, const LeafCorners (&a)[times], const L
       }
     }
     const unsigned apart = are_edges ? edges_apart(points, limit_sq) : vertex_face_apart(points, limit_sq);
-    for (std::uint32_t lane = 0; lane < std::min(Packet::lanes, list.count - i); ++lane) {
+    for (std::uint32_t lane = 0; lane < std::min(Packet::lanes, count - i); ++lane) {
       const std::uint8_t code_a = list.a[i + lane], code_b = list.b[i + lane];
-      kept.pairs[kept.count] = swaps ? ElementCandidate{code_b, code_a} : ElementCandidate{code_a, code_b};
-      kept.count += ~apart >> lane & 1;
+      kept.pairs[n] = swaps ? ElementCandidate{code_b, code_a} : ElementCandidate{code_a, code_b};
+      n += ~apart >> lane & 1;
     }
   }
+  kept.count = n;
 }
 
 /// Finds the pairs of elements that are not pruned, from the corners of both leaves at some times. `limit` is the prune
@@ -196,7 +199,8 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
   list_vertices(b, vertices_in(owned_b) & between(near_b), leaf_b, faces_a, vertices_a, in_a & transpose(once),
                 limit_sq, vertex_face_swapped);
   const EdgeRow<times> row_b(is_same_leaf ? edges_a : edges_b, vertices_b, near_b & edges_in(owned_b));
-  list_edges(edges_a, near_a & edges_in(owned_a), leaf_a, row_b, is_same_leaf, limit_sq, edge_edge);
+  list_edges(edges_a, near_a & edges_in(owned_a), vertices_a, self != nullptr, row_b, is_same_leaf, limit_sq,
+             edge_edge);
 
   keep_close<false, false>(vertex_face, a, b, limit_sq, found.vertex_face);
   keep_close<false, true>(vertex_face_swapped, b, a, limit_sq, found.face_vertex);

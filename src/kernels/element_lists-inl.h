@@ -32,14 +32,17 @@ struct ElementList {
   std::uint32_t count = 0;
   alignas(64) std::uint8_t a[room + width], b[room + width];
 
-  /// Adds an element of a with some of b: those of a bit mask, of which the first is number `first`. Branches would not
-  /// be predicted.
-  LIMBER_KERNEL void add(std::uint32_t element_a, unsigned which_b, std::uint32_t first) {
+  /// Writes an element of a with some of b behind the first `n` pairs: those of a bit mask, of which the first is
+  /// number `first`. Branches would not be predicted. Returns how many pairs there are then: a count that is a member
+  /// would go through memory, as bytes that are written could be any other.
+  LIMBER_KERNEL std::uint32_t add_behind(std::uint32_t n, std::uint32_t element_a, unsigned which_b,
+                                         std::uint32_t first) {
     const std::uint64_t of_a = element_a * in_each_byte;
     const std::uint64_t of_b = std::bit_cast<std::uint64_t>(numbers_of_bits[which_b]) + first * in_each_byte;
-    std::memcpy(a + count, &of_a, sizeof of_a), std::memcpy(b + count, &of_b, sizeof of_b);
-    count += static_cast<std::uint32_t>(std::popcount(which_b));
-    LIMBER_ASSERT(count <= room);
+    std::memcpy(a + n, &of_a, sizeof of_a), std::memcpy(b + n, &of_b, sizeof of_b);
+    n += static_cast<std::uint32_t>(std::popcount(which_b));
+    LIMBER_ASSERT(n <= room);
+    return n;
   }
 };
 
@@ -136,6 +139,8 @@ struct alignas(64) LeafVertices {
       deinterleave(leaf->vertices[i].data(), id[0] + i, id[1] + i, id[2] + i);
     }
   }
+  /// By a number as in ElementCandidate.
+  LIMBER_KERNEL VertexId of_corner(std::uint32_t code) const { return id[code / width][code % width]; }
 };
 
 /// The triangles of a leaf that have a vertex: a bit for each slot.
@@ -156,6 +161,7 @@ template <std::uint32_t times, typename List>
 LIMBER_KERNEL void list_vertices(const LeafCorners (&a)[times], std::uint32_t vertices, const bvh::Leaf* leaf_a,
                                  const Boxes (&faces_b)[times], const LeafVertices& vertices_b, std::uint64_t faces,
                                  Packet limit_sq, List& list) {
+  std::uint32_t n = 0;
   for (; vertices != 0; vertices &= vertices - 1) {
     const auto vertex = static_cast<std::uint32_t>(std::countr_zero(vertices));
     const std::uint32_t corner = vertex / width, slot = vertex % width;
@@ -164,8 +170,9 @@ LIMBER_KERNEL void list_vertices(const LeafCorners (&a)[times], std::uint32_t ve
     for (std::uint32_t time = 0; time < times; ++time) {
       point.low[time] = point.high[time] = repeated(a[time], corner, slot);
     }
-    list.add(vertex, row_of(faces, slot) & near_boxes(point, faces_b, 0, limit_sq) & ~shared, 0);
+    n = list.add_behind(n, vertex, row_of(faces, slot) & near_boxes(point, faces_b, 0, limit_sq) & ~shared, 0);
   }
+  list.count = n;
 }
 
 /// Boxes of edges, and room for eight more that are written and not used.
@@ -243,29 +250,32 @@ struct alignas(64) EdgeRow {
 };
 
 /// Lists edges whose boxes are close, without those that share a vertex: some of a with some of b. Of a leaf and itself
-/// each edge comes with those after it.
+/// each edge comes with those after it. With `has_ids` vertices have ids of one model.
 template <std::uint32_t times, typename List>
-LIMBER_KERNEL void list_edges(const LeafEdges<times>& a, std::uint32_t edges_a, const bvh::Leaf* leaf_a,
-                              const EdgeRow<times>& row_b, bool is_same_leaf, Packet limit_sq, List& list) {
-  std::uint32_t wanted = (1U << row_b.count) - 1;
+LIMBER_KERNEL void list_edges(const LeafEdges<times>& a, std::uint32_t edges_a, const LeafVertices& vertices_a,
+                              bool has_ids, const EdgeRow<times>& row_b, bool is_same_leaf, Packet limit_sq,
+                              List& list) {
+  const std::uint32_t count_b = row_b.count;
+  std::uint32_t wanted = (1U << count_b) - 1, n = 0;
   for (std::uint32_t edges = edges_a; edges != 0; edges &= edges - 1) {
     const auto edge = static_cast<std::uint32_t>(std::countr_zero(edges));
-    const std::uint32_t corner = edge / width, slot = edge % width, next = (corner + 1) % 3;
+    const std::uint32_t next = edge < 2 * width ? edge + width : edge - 2 * width;
+    const VertexId from = has_ids ? vertices_a.of_corner(edge) : no_id;
+    const VertexId to = has_ids ? vertices_a.of_corner(next) : no_id;
     Region<times> box;
     for (std::uint32_t time = 0; time < times; ++time) {
       box.low[time] = repeated(a.boxes[time].low, edge), box.high[time] = repeated(a.boxes[time].high, edge);
     }
     if (is_same_leaf) wanted &= wanted - 1;
-    const auto next_b = static_cast<std::uint32_t>(std::countr_zero(wanted));
-    for (std::uint32_t first = next_b / width * width; first < row_b.count; first += width) {
+    const auto first_b = static_cast<std::uint32_t>(std::countr_zero(wanted));
+    for (std::uint32_t first = first_b / width * width; first < count_b; first += width) {
       unsigned found = wanted >> first & near_boxes(box, row_b.boxes, first, limit_sq);
-      if (leaf_a != nullptr) {
-        found &= ~row_b.with(leaf_a->vertices[slot][corner], leaf_a->vertices[slot][next], first);
-      }
-      list.add(edge, found, first);
+      if (has_ids) found &= ~row_b.with(from, to, first);
+      n = list.add_behind(n, edge, found, first);
     }
   }
-  for (std::uint32_t i = 0; i < list.count; ++i) list.b[i] = row_b.element[list.b[i]];
+  for (std::uint32_t i = 0; i < n; ++i) list.b[i] = row_b.element[list.b[i]];
+  list.count = n;
 }
 
 }  // namespace
