@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 
 #include "base/check.h"
 #include "base/error_bounds.h"
@@ -31,8 +30,6 @@ namespace {
 
 // In place of smaller denominators. All numbers here are about 1 or less.
 inline constexpr float smallest_denominator = 1e-30F;
-// Pairs of elements that are brought into packets at once.
-inline constexpr std::uint32_t chunk = 64;
 
 /// Ratios of numbers that may both be 0, brought to [0, 1].
 LIMBER_KERNEL Packet clamped_ratio(Packet numerator, Packet denominator) {
@@ -110,92 +107,60 @@ LIMBER_KERNEL unsigned vertex_face_apart(const Packet3 (&points)[times][4], Pack
   return apart;
 }
 
-/// The corners of the triangles of a leaf, four numbers each: [corner][slot]. The first corner follows the last.
-struct alignas(64) CornerPoints {
-  float v[4 * width][4];
+/// Elements of a leaf, one in each lane.
+class ElementLanes {
+ public:
+  /// The codes are those of ElementCandidate.
+  LIMBER_KERNEL explicit ElementLanes(const std::uint8_t* codes) : slots_(Slots::second_of(codes)) {
+    alignas(64) static constexpr float numbers[width] = {0, 1, 2};
+    const Packet corner = pick(numbers, Slots::first_of(codes));
+    is_first_ = corner < Packet::set(1);
+    is_last_ = corner > Packet::set(1);
+  }
+  LIMBER_KERNEL Packet3 vertex(const LeafCorners& c) const { return of(c, 0, 1, 2); }
+  LIMBER_KERNEL void edge(const LeafCorners& c, Packet3& from, Packet3& to) const {
+    from = of(c, 0, 1, 2), to = of(c, 1, 2, 0);
+  }
+  LIMBER_KERNEL void face(const LeafCorners& c, Packet3* corner) const {
+    for (int k = 0; k < 3; ++k) corner[k] = corners(c, k, slots_);
+  }
 
-  LIMBER_KERNEL void set(const LeafCorners& c) {
-    for (std::uint32_t corner = 0; corner < 4; ++corner) {
-      for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-        store_points3(corners(c, static_cast<int>(corner % 3), i), v[corner * width + i]);
+ private:
+  LIMBER_KERNEL Packet3 of(const LeafCorners& c, int first, int second, int last) const {
+    return select(is_first_, corners(c, first, slots_),
+                  select(is_last_, corners(c, last, slots_), corners(c, second, slots_)));
+  }
+
+  Slots slots_;
+  Mask is_first_, is_last_;  // which corner of its triangle the element is, or begins at
+};
+
+/// Takes over the pairs of a list that are not certainly apart, of vertices of a with faces of b, or of edges; with
+/// `swaps` the two elements change places.
+template <bool are_edges, bool swaps, std::uint32_t times, typename List, typename Kept>
+LIMBER_KERNEL void keep_close(List& list, const LeafCorners (&a)[times], const LeafCorners (&b)[times], Packet limit_sq,
+                              Kept& kept) {
+  const std::uint32_t count = list.count;
+  std::uint32_t n = 0;
+  std::fill_n(list.a + count, width, std::uint8_t{0}), std::fill_n(list.b + count, width, std::uint8_t{0});
+  for (std::uint32_t i = 0; i < count; i += Packet::lanes) {
+    const ElementLanes of_a(list.a + i), of_b(list.b + i);
+    Packet3 points[times][4];
+    for (std::uint32_t time = 0; time < times; ++time) {
+      if constexpr (are_edges) {
+        of_a.edge(a[time], points[time][0], points[time][1]), of_b.edge(b[time], points[time][2], points[time][3]);
+      } else {
+        points[time][0] = of_a.vertex(a[time]), of_b.face(b[time], points[time] + 1);
       }
     }
-  }
-};
-
-/// Four points of each of several pairs of elements: [time][point][pair].
-template <std::uint32_t times>
-struct alignas(64) PairPoints {
-  float v[times][4][chunk][4];
-
-  LIMBER_KERNEL void set(std::uint32_t point, std::uint32_t pair, const CornerPoints (&from)[times], std::uint32_t at) {
-    for (std::uint32_t time = 0; time < times; ++time) {
-      std::memcpy(v[time][point][pair], from[time].v[at], sizeof from[time].v[at]);
+    const unsigned apart = are_edges ? edges_apart(points, limit_sq) : vertex_face_apart(points, limit_sq);
+    for (std::uint32_t lane = 0; lane < std::min(Packet::lanes, count - i); ++lane) {
+      const std::uint8_t code_a = list.a[i + lane], code_b = list.b[i + lane];
+      kept.pairs[n] = swaps ? ElementCandidate{code_b, code_a} : ElementCandidate{code_a, code_b};
+      n += ~apart >> lane & 1;
     }
   }
-  LIMBER_KERNEL void load(std::uint32_t pair, Packet3 (&points)[times][4]) const {
-    for (std::uint32_t time = 0; time < times; ++time) {
-      for (std::uint32_t point = 0; point < 4; ++point) points[time][point] = load_points3(v[time][point][pair]);
-    }
-  }
-};
-
-/// How pairs of a vertex and a face are brought into packets and compared.
-template <std::uint32_t times>
-struct VertexFacePoints {
-  const CornerPoints (&of_vertices)[times], (&of_faces)[times];
-
-  LIMBER_KERNEL std::uint8_t element_b(std::uint8_t face) const { return face; }
-
-  LIMBER_KERNEL void set(PairPoints<times>& points, std::uint32_t i, std::uint32_t vertex, std::uint32_t face) const {
-    points.set(0, i, of_vertices, vertex);
-    for (std::uint32_t k = 0; k < 3; ++k) points.set(1 + k, i, of_faces, face + k * width);
-  }
-  static LIMBER_KERNEL unsigned find_apart(const Packet3 (&points)[times][4], Packet limit_sq) {
-    return vertex_face_apart(points, limit_sq);
-  }
-};
-/// How pairs of edges are brought into packets and compared; the second edge is named by its place in OwnedEdges.
-template <std::uint32_t times>
-struct EdgePoints {
-  const CornerPoints (&a)[times], (&b)[times];
-  const OwnedEdges<times>& edges_b;
-
-  LIMBER_KERNEL std::uint8_t element_b(std::uint8_t place) const { return edges_b.element[place]; }
-
-  LIMBER_KERNEL void set(PairPoints<times>& points, std::uint32_t i, std::uint32_t edge_a,
-                         std::uint32_t place_b) const {
-    const std::uint32_t edge_b = edges_b.element[place_b];
-    points.set(0, i, a, edge_a), points.set(1, i, a, edge_a + width);
-    points.set(2, i, b, edge_b), points.set(3, i, b, edge_b + width);
-  }
-  static LIMBER_KERNEL unsigned find_apart(const Packet3 (&points)[times][4], Packet limit_sq) {
-    return edges_apart(points, limit_sq);
-  }
-};
-
-/// Takes over the pairs of a list that are not certainly apart; with `swaps` the two elements change places.
-template <bool swaps, std::uint32_t times, template <std::uint32_t> typename Points, typename List, typename Kept>
-LIMBER_KERNEL void keep_close(const List& list, Packet limit_sq, const Points<times>& elements, Kept& kept) {
-  PairPoints<times> points;
-  for (std::uint32_t first = 0; first < list.count; first += chunk) {
-    const std::uint32_t count = std::min(chunk, list.count - first);
-    // The last pair fills its packet.
-    for (std::uint32_t i = 0; i < count || i % Packet::lanes != 0; ++i) {
-      const std::uint32_t pair = std::min(first + i, list.count - 1);
-      elements.set(points, i, list.a[pair], list.b[pair]);
-    }
-    for (std::uint32_t i = 0; i < count; i += Packet::lanes) {
-      Packet3 of_pairs[times][4];
-      points.load(i, of_pairs);
-      const unsigned apart = Points<times>::find_apart(of_pairs, limit_sq);
-      for (std::uint32_t lane = 0; lane < std::min(Packet::lanes, count - i); ++lane) {
-        const std::uint8_t a = list.a[first + i + lane], b = elements.element_b(list.b[first + i + lane]);
-        kept.pairs[kept.count] = swaps ? ElementCandidate{b, a} : ElementCandidate{a, b};
-        kept.count += ~apart >> lane & 1;
-      }
-    }
-  }
+  kept.count = n;
 }
 
 /// Finds the pairs of elements that are not pruned, from the corners of both leaves at some times. `limit` is the prune
@@ -212,35 +177,34 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
   for (std::uint32_t time = 0; time < times; ++time) {
     find_boxes(a[time], faces_a[time]), find_boxes(b[time], faces_b[time]);
   }
-  std::uint64_t near = 0;
-  for (std::uint32_t row = 0; row < width; ++row) {
-    Packet3 low[times], high[times];
-    for (std::uint32_t time = 0; time < times; ++time) {
-      low[time] = repeated(faces_a[time].low, row), high[time] = repeated(faces_a[time].high, row);
-    }
-    const unsigned of_row = near_boxes(low, high, faces_b, 0, limit_sq);
-    near |= std::uint64_t{of_row & row_of(owned_b, 6) & (0U - (row_of(owned_a, 6) >> row & 1))} << (8 * row);
+  LeafEdges<times> edges_a, edges_b;
+  edges_a.set(a);
+  std::uint32_t near_a = all_edges, near_b = all_edges;
+  if (!is_same_leaf) {
+    edges_b.set(b);
+    near_a = edges_a.near(box_around(faces_b), limit_sq), near_b = edges_b.near(box_around(faces_a), limit_sq);
+    // With edges of one leaf alone: a vertex may be near a face and far from the boxes of its edges.
+    if ((near_a | near_b) == 0) return;
   }
-  if (is_same_leaf) near &= bvh::each_pair_once;
-  if (near == 0) return;
 
   const bvh::Leaf *const leaf_a = self != nullptr ? &self->a : nullptr, *const leaf_b =
                                                                             self != nullptr ? &self->b : nullptr;
   const LeafVertices vertices_a(leaf_a), vertices_b(leaf_b);
+  const std::uint64_t in_b = row_of(owned_b, 6) * in_each_byte, in_a = row_of(owned_a, 6) * in_each_byte;
+  const std::uint64_t once = is_same_leaf ? bvh::each_pair_once : ~std::uint64_t{0};
   ElementList<3 * width * width> vertex_face, vertex_face_swapped;
   ElementList<9 * width * width> edge_edge;
-  list_vertices(a, vertices_in(owned_a), leaf_a, faces_b, vertices_b, near, limit_sq, vertex_face);
-  list_vertices(b, vertices_in(owned_b), leaf_b, faces_a, vertices_a, transpose(near), limit_sq, vertex_face_swapped);
-  const OwnedEdges<times> edges_b(b, vertices_b, edges_in(owned_b));
-  list_edges(a, edges_in(owned_a), leaf_a, is_same_leaf ? near | transpose(near) : near, edges_b, is_same_leaf,
-             limit_sq, edge_edge);
+  list_vertices(a, vertices_in(owned_a) & between(near_a), leaf_a, faces_b, vertices_b, in_b & once, limit_sq,
+                vertex_face);
+  list_vertices(b, vertices_in(owned_b) & between(near_b), leaf_b, faces_a, vertices_a, in_a & transpose(once),
+                limit_sq, vertex_face_swapped);
+  const EdgeRow<times> row_b(is_same_leaf ? edges_a : edges_b, vertices_b, near_b & edges_in(owned_b));
+  list_edges(edges_a, near_a & edges_in(owned_a), vertices_a, self != nullptr, row_b, is_same_leaf, limit_sq,
+             edge_edge);
 
-  if (vertex_face.count + vertex_face_swapped.count + edge_edge.count == 0) return;
-  CornerPoints points_a[times], points_b[times];
-  for (std::uint32_t time = 0; time < times; ++time) points_a[time].set(a[time]), points_b[time].set(b[time]);
-  keep_close<false>(vertex_face, limit_sq, VertexFacePoints<times>{points_a, points_b}, found.vertex_face);
-  keep_close<true>(vertex_face_swapped, limit_sq, VertexFacePoints<times>{points_b, points_a}, found.face_vertex);
-  keep_close<false>(edge_edge, limit_sq, EdgePoints<times>{points_a, points_b, edges_b}, found.edge_edge);
+  keep_close<false, false>(vertex_face, a, b, limit_sq, found.vertex_face);
+  keep_close<false, true>(vertex_face_swapped, b, a, limit_sq, found.face_vertex);
+  keep_close<true, false>(edge_edge, a, b, limit_sq, found.edge_edge);
 }
 
 // Kernels::find_close_elements.

@@ -30,16 +30,19 @@ namespace {
 template <std::uint32_t room>
 struct ElementList {
   std::uint32_t count = 0;
-  std::uint8_t a[room + width], b[room + width];
+  alignas(64) std::uint8_t a[room + width], b[room + width];
 
-  /// Adds an element of a with some of b: those of a bit mask, of which the first is number `first`. Branches would not
-  /// be predicted.
-  LIMBER_KERNEL void add(std::uint32_t element_a, unsigned which_b, std::uint32_t first) {
+  /// Writes an element of a with some of b behind the first `n` pairs: those of a bit mask, of which the first is
+  /// number `first`. Branches would not be predicted. Returns how many pairs there are then: a count that is a member
+  /// would go through memory, as bytes that are written could be any other.
+  LIMBER_KERNEL std::uint32_t add_behind(std::uint32_t n, std::uint32_t element_a, unsigned which_b,
+                                         std::uint32_t first) {
     const std::uint64_t of_a = element_a * in_each_byte;
     const std::uint64_t of_b = std::bit_cast<std::uint64_t>(numbers_of_bits[which_b]) + first * in_each_byte;
-    std::memcpy(a + count, &of_a, sizeof of_a), std::memcpy(b + count, &of_b, sizeof of_b);
-    count += static_cast<std::uint32_t>(std::popcount(which_b));
-    LIMBER_ASSERT(count <= room);
+    std::memcpy(a + n, &of_a, sizeof of_a), std::memcpy(b + n, &of_b, sizeof of_b);
+    n += static_cast<std::uint32_t>(std::popcount(which_b));
+    LIMBER_ASSERT(n <= room);
+    return n;
   }
 };
 
@@ -64,29 +67,67 @@ LIMBER_KERNEL Packet3 repeated(const LeafCorners& c, std::uint32_t corner, std::
           Packet::set(c.v[3 * corner + 2][slot])};
 }
 
-/// The boxes `i` and following.
+/// The vectors `i` and following: v[axis][number].
 template <std::size_t room>
 LIMBER_KERNEL Packet3 row3(const float (&v)[3][room], std::uint32_t i) {
   return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
 }
+template <std::size_t room>
+LIMBER_KERNEL void store_row3(const Packet3& p, float (&v)[3][room], std::uint32_t i) {
+  p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
+}
+/// The vector `i` in every lane.
+template <std::size_t room>
+LIMBER_KERNEL Packet3 repeated(const float (&v)[3][room], std::uint32_t i) {
+  return {Packet::set(v[0][i]), Packet::set(v[1][i]), Packet::set(v[2][i])};
+}
 
-/// Which of eight boxes from `first` on are near a box, which every lane has: a bit for each. Boxes move linearly, so a
-/// gap along an axis is at least the least one at the times that there are.
+/// A box in every lane, at each of some times.
+template <std::uint32_t times>
+struct Region {
+  Packet3 low[times], high[times];
+};
+
+/// Which boxes, of those from `i` on, are near a region. Boxes move linearly, so a gap along an axis is at least the
+/// least one at the times that there are.
+///
+/// A smaller box, or a smaller region, never gets near by rounding: what is not near the whole has no part that is.
 template <std::uint32_t times, typename Boxes>
-LIMBER_KERNEL unsigned near_boxes(const Packet3 (&low)[times], const Packet3 (&high)[times],
-                                  const Boxes (&boxes)[times], std::uint32_t first, Packet limit_sq) {
+LIMBER_KERNEL Mask near_mask(const Region<times>& region, const Boxes (&boxes)[times], std::uint32_t i,
+                             Packet limit_sq) {
+  Packet3 above = row3(boxes[0].low, i) - region.high[0], below = region.low[0] - row3(boxes[0].high, i);
+  for (std::uint32_t time = 1; time < times; ++time) {
+    above = min3(above, row3(boxes[time].low, i) - region.high[time]);
+    below = min3(below, region.low[time] - row3(boxes[time].high, i));
+  }
+  return length_of_gaps_sq(max3(above, below)) < limit_sq;
+}
+/// The same of eight boxes from `first` on: a bit for each.
+template <std::uint32_t times, typename Boxes>
+LIMBER_KERNEL unsigned near_boxes(const Region<times>& region, const Boxes (&boxes)[times], std::uint32_t first,
+                                  Packet limit_sq) {
   unsigned found = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    Packet3 above = row3(boxes[0].low, first + i) - high[0], below = low[0] - row3(boxes[0].high, first + i);
-    for (std::uint32_t time = 1; time < times; ++time) {
-      above = min3(above, row3(boxes[time].low, first + i) - high[time]);
-      below = min3(below, low[time] - row3(boxes[time].high, first + i));
-    }
-    const Packet3 gaps = max3(above, below);
-    const Packet x = max(gaps.x, zero()), y = max(gaps.y, zero()), z = max(gaps.z, zero());
-    found |= bits(x * x + y * y + z * z < limit_sq) << i;
+    found |= bits(near_mask(region, boxes, first + i, limit_sq)) << i;
   }
   return found;
+}
+
+/// The box around all faces of a leaf.
+template <std::uint32_t times>
+LIMBER_KERNEL Region<times> box_around(const Boxes (&faces)[times]) {
+  Region<times> box;
+  const Packet3 none{zero(), zero(), zero()};
+  for (std::uint32_t time = 0; time < times; ++time) {
+    Packet3 low = row3(faces[time].low, 0), high = row3(faces[time].high, 0);
+    for (std::uint32_t i = Packet::lanes; i < width; i += Packet::lanes) {
+      low = min3(low, row3(faces[time].low, i)), high = max3(high, row3(faces[time].high, i));
+    }
+    const Packet3 back = none - low;
+    box.low[time] = none - Packet3{largest_in_all(back.x), largest_in_all(back.y), largest_in_all(back.z)};
+    box.high[time] = {largest_in_all(high.x), largest_in_all(high.y), largest_in_all(high.z)};
+  }
+  return box;
 }
 
 /// The vertices of the triangles of a leaf: [corner][slot].
@@ -98,6 +139,8 @@ struct alignas(64) LeafVertices {
       deinterleave(leaf->vertices[i].data(), id[0] + i, id[1] + i, id[2] + i);
     }
   }
+  /// By a number as in ElementCandidate.
+  LIMBER_KERNEL VertexId of_corner(std::uint32_t code) const { return id[code / width][code % width]; }
 };
 
 /// The triangles of a leaf that have a vertex: a bit for each slot.
@@ -112,72 +155,87 @@ LIMBER_KERNEL unsigned faces_with(const LeafVertices& leaf, VertexId vertex) {
   return found;
 }
 
-/// The elements, as ElementCandidate has them, of the triangles whose rows in a matrix of 8 by 8 bits are not 0.
-LIMBER_KERNEL std::uint32_t in_rows_with_bits(std::uint64_t m) {
-  std::uint32_t rows = 0;
-  for (std::uint32_t row = 0; row < width; ++row) rows |= (row_of(m, row) != 0 ? 1U : 0U) << row;
-  return rows * 0x010101U;
-}
-
-/// Lists vertices and faces whose boxes are close: those of triangles whose boxes are, without those that share a
-/// vertex. `near` has a byte for each triangle of a, with a bit for each of b; `vertices` are those that a owns.
+/// Lists vertices and faces whose boxes are close, without those that share a vertex. `faces` has a byte for each
+/// triangle of a, with a bit for each of b that counts.
 template <std::uint32_t times, typename List>
 LIMBER_KERNEL void list_vertices(const LeafCorners (&a)[times], std::uint32_t vertices, const bvh::Leaf* leaf_a,
-                                 const Boxes (&faces_b)[times], const LeafVertices& vertices_b, std::uint64_t near,
+                                 const Boxes (&faces_b)[times], const LeafVertices& vertices_b, std::uint64_t faces,
                                  Packet limit_sq, List& list) {
-  for (vertices &= in_rows_with_bits(near); vertices != 0; vertices &= vertices - 1) {
+  std::uint32_t n = 0;
+  for (; vertices != 0; vertices &= vertices - 1) {
     const auto vertex = static_cast<std::uint32_t>(std::countr_zero(vertices));
     const std::uint32_t corner = vertex / width, slot = vertex % width;
     const unsigned shared = leaf_a != nullptr ? faces_with(vertices_b, leaf_a->vertices[slot][corner]) : 0;
-    Packet3 point[times];
-    for (std::uint32_t time = 0; time < times; ++time) point[time] = repeated(a[time], corner, slot);
-    list.add(vertex, row_of(near, slot) & near_boxes(point, point, faces_b, 0, limit_sq) & ~shared, 0);
+    Region<times> point;
+    for (std::uint32_t time = 0; time < times; ++time) {
+      point.low[time] = point.high[time] = repeated(a[time], corner, slot);
+    }
+    n = list.add_behind(n, vertex, row_of(faces, slot) & near_boxes(point, faces_b, 0, limit_sq) & ~shared, 0);
   }
+  list.count = n;
 }
 
-/// The boxes of the edges that a leaf owns, one after the other, and their vertices.
-template <std::uint32_t times>
-struct alignas(64) OwnedEdges {
+/// Boxes of edges, and room for eight more that are written and not used.
+struct alignas(64) EdgeBoxes {
   static constexpr std::uint32_t room = 3 * width + width;
-  struct EdgeBoxes {
-    float low[3][room], high[3][room];
-  };
+  float low[3][room], high[3][room];
+};
+inline constexpr std::uint32_t all_edges = (1U << (3 * width)) - 1;
+
+/// The edges of a leaf and their boxes, by corner and slot.
+template <std::uint32_t times>
+struct LeafEdges {
   EdgeBoxes boxes[times];
-  VertexId from[room], to[room];
-  std::uint8_t element[room];  // as in ElementCandidate
+
+  LIMBER_KERNEL void set(const LeafCorners (&c)[times]) {
+    for (std::uint32_t time = 0; time < times; ++time) {
+      for (std::uint32_t edge = 0; edge < 3 * width; edge += Packet::lanes) {
+        const auto corner = static_cast<int>(edge / width);
+        const Packet3 p = corners(c[time], corner, edge % width), q = corners(c[time], (corner + 1) % 3, edge % width);
+        store_row3(min3(p, q), boxes[time].low, edge), store_row3(max3(p, q), boxes[time].high, edge);
+      }
+    }
+  }
+  /// Those that are near a region: a bit for each.
+  LIMBER_KERNEL std::uint32_t near(const Region<times>& region, Packet limit_sq) const {
+    std::uint32_t found = 0;
+    for (std::uint32_t i = 0; i < 3 * width; i += width) found |= near_boxes(region, boxes, i, limit_sq) << i;
+    return found;
+  }
+};
+
+/// The corners at which two edges of a mask meet.
+LIMBER_KERNEL std::uint32_t between(std::uint32_t edges) { return edges & (edges << width | edges >> (2 * width)); }
+
+/// Some edges of a leaf, one after the other: their boxes and vertices.
+template <std::uint32_t times>
+struct alignas(64) EdgeRow {
+  EdgeBoxes boxes[times];
+  VertexId from[EdgeBoxes::room], to[EdgeBoxes::room];
+  std::uint8_t element[EdgeBoxes::room];  // as in ElementCandidate
   std::uint32_t count = 0;
 
-  /// `edges` has a bit for each edge that is owned.
-  LIMBER_KERNEL OwnedEdges(const LeafCorners (&c)[times], const LeafVertices& vertices, std::uint32_t edges) {
+  /// `edges` has a bit for each edge that is wanted.
+  LIMBER_KERNEL EdgeRow(const LeafEdges<times>& leaf, const LeafVertices& vertices, std::uint32_t edges) {
     for (std::uint32_t corner = 0; corner < 3; ++corner) {
-      const std::uint32_t next = (corner + 1) % 3;
       const unsigned which = edges >> (corner * width) & 0xff;
       // All eight are written; those that do not count are overwritten by the next, or not used.
-      for (std::uint32_t time = 0; time < times; ++time) add_boxes(c[time], corner, next, which, boxes[time]);
       for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-        const Slots owned = Slots::second_of(numbers_of_bits[which].data() + i);
-        pick(vertices.id[corner], owned).store(from + count + i);
-        pick(vertices.id[next], owned).store(to + count + i);
+        const Slots wanted = Slots::second_of(numbers_of_bits[which].data() + i);
+        for (std::uint32_t time = 0; time < times; ++time) {
+          const EdgeBoxes& all = leaf.boxes[time];
+          for (int axis = 0; axis < 3; ++axis) {
+            pick(all.low[axis] + corner * width, wanted).store(boxes[time].low[axis] + count + i);
+            pick(all.high[axis] + corner * width, wanted).store(boxes[time].high[axis] + count + i);
+          }
+        }
+        pick(vertices.id[corner], wanted).store(from + count + i);
+        pick(vertices.id[(corner + 1) % 3], wanted).store(to + count + i);
       }
       const std::uint64_t elements =
           std::bit_cast<std::uint64_t>(numbers_of_bits[which]) + corner * width * in_each_byte;
       std::memcpy(element + count, &elements, sizeof elements);
       count += static_cast<std::uint32_t>(std::popcount(which));
-    }
-  }
-  LIMBER_KERNEL void add_boxes(const LeafCorners& c, std::uint32_t corner, std::uint32_t next, unsigned which,
-                               EdgeBoxes& added) const {
-    Boxes all;
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Packet3 p = corners(c, static_cast<int>(corner), i), q = corners(c, static_cast<int>(next), i);
-      store3(min3(p, q), all.low, i), store3(max3(p, q), all.high, i);
-    }
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const Slots owned = Slots::second_of(numbers_of_bits[which].data() + i);
-      for (int axis = 0; axis < 3; ++axis) {
-        pick(all.low[axis], owned).store(added.low[axis] + count + i);
-        pick(all.high[axis], owned).store(added.high[axis] + count + i);
-      }
     }
   }
   /// The edges, of eight from `first` on, that have one of two vertices: a bit for each.
@@ -191,30 +249,33 @@ struct alignas(64) OwnedEdges {
   }
 };
 
-/// Lists edges whose boxes are close, without those that share a vertex: those of a, by where they start, with those of
-/// b, by their place in `owned_b`. Of a leaf and itself each edge comes with those after it.
+/// Lists edges whose boxes are close, without those that share a vertex: some of a with some of b. Of a leaf and itself
+/// each edge comes with those after it. With `has_ids` vertices have ids of one model.
 template <std::uint32_t times, typename List>
-LIMBER_KERNEL void list_edges(const LeafCorners (&a)[times], std::uint32_t edges_a, const bvh::Leaf* leaf_a,
-                              std::uint64_t near, const OwnedEdges<times>& owned_b, bool is_same_leaf, Packet limit_sq,
+LIMBER_KERNEL void list_edges(const LeafEdges<times>& a, std::uint32_t edges_a, const LeafVertices& vertices_a,
+                              bool has_ids, const EdgeRow<times>& row_b, bool is_same_leaf, Packet limit_sq,
                               List& list) {
-  for (std::uint32_t edges = edges_a & in_rows_with_bits(near); edges != 0; edges &= edges - 1) {
+  const std::uint32_t count_b = row_b.count;
+  std::uint32_t wanted = (1U << count_b) - 1, n = 0;
+  for (std::uint32_t edges = edges_a; edges != 0; edges &= edges - 1) {
     const auto edge = static_cast<std::uint32_t>(std::countr_zero(edges));
-    const std::uint32_t corner = edge / width, slot = edge % width, next = (corner + 1) % 3;
-    Packet3 low[times], high[times];
+    const std::uint32_t next = edge < 2 * width ? edge + width : edge - 2 * width;
+    const VertexId from = has_ids ? vertices_a.of_corner(edge) : no_id;
+    const VertexId to = has_ids ? vertices_a.of_corner(next) : no_id;
+    Region<times> box;
     for (std::uint32_t time = 0; time < times; ++time) {
-      const Packet3 p = repeated(a[time], corner, slot), q = repeated(a[time], next, slot);
-      low[time] = min3(p, q), high[time] = max3(p, q);
+      box.low[time] = repeated(a.boxes[time].low, edge), box.high[time] = repeated(a.boxes[time].high, edge);
     }
-    std::uint32_t wanted = (1U << owned_b.count) - 1;
-    if (is_same_leaf) wanted &= ~((2U << std::popcount(edges_a & ((1U << edge) - 1))) - 1);
-    for (std::uint32_t first = 0; first < owned_b.count; first += width) {
-      unsigned found = wanted >> first & near_boxes(low, high, owned_b.boxes, first, limit_sq);
-      if (leaf_a != nullptr) {
-        found &= ~owned_b.with(leaf_a->vertices[slot][corner], leaf_a->vertices[slot][next], first);
-      }
-      list.add(edge, found, first);
+    if (is_same_leaf) wanted &= wanted - 1;
+    const auto first_b = static_cast<std::uint32_t>(std::countr_zero(wanted));
+    for (std::uint32_t first = first_b / width * width; first < count_b; first += width) {
+      unsigned found = wanted >> first & near_boxes(box, row_b.boxes, first, limit_sq);
+      if (has_ids) found &= ~row_b.with(from, to, first);
+      n = list.add_behind(n, edge, found, first);
     }
   }
+  for (std::uint32_t i = 0; i < n; ++i) list.b[i] = row_b.element[list.b[i]];
+  list.count = n;
 }
 
 }  // namespace

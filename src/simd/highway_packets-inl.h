@@ -69,7 +69,8 @@ struct Vector {
   friend HWY_INLINE Vector abs(Vector a) { return {hn::Abs(a.v)}; }
   friend HWY_INLINE Vector max(Vector a, Vector b) { return {hn::Max(a.v, b.v)}; }
   friend HWY_INLINE Vector min(Vector a, Vector b) { return {hn::Min(a.v, b.v)}; }
-  friend HWY_INLINE T largest(Vector a) { return hn::GetLane(hn::MaxOfLanes(Tag(), a.v)); }
+  friend HWY_INLINE Vector largest_in_all(Vector a) { return {hn::MaxOfLanes(Tag(), a.v)}; }
+  friend HWY_INLINE T largest(Vector a) { return hn::GetLane(largest_in_all(a).v); }
   friend HWY_INLINE Mask operator>(Vector a, Vector b) { return {hn::Gt(a.v, b.v)}; }
   friend HWY_INLINE Mask operator<(Vector a, Vector b) { return {hn::Lt(a.v, b.v)}; }
   friend HWY_INLINE Mask operator<=(Vector a, Vector b) { return {hn::Le(a.v, b.v)}; }

@@ -46,6 +46,7 @@ struct Vector {
   friend Vector abs(Vector a) { return {std::abs(a.v)}; }
   friend Vector max(Vector a, Vector b) { return {a.v > b.v ? a.v : b.v}; }
   friend Vector min(Vector a, Vector b) { return {a.v < b.v ? a.v : b.v}; }
+  friend Vector largest_in_all(Vector a) { return a; }
   friend T largest(Vector a) { return a.v; }
   friend Mask operator>(Vector a, Vector b) { return {a.v > b.v}; }
   friend Mask operator<(Vector a, Vector b) { return {a.v < b.v}; }

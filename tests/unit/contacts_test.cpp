@@ -104,6 +104,18 @@ TEST(SelfElements, OfTinyTrianglesBesideLargeOnesHaveTheirOwnDistances) {
   }
 }
 
+TEST(ElementPairs, OfVerticesNearTheMiddleOfAFaceAreFoundFarFromTheBoxesOfItsEdges) {
+  const std::vector<Vec3> of_face{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<Vec3> of_tip{{0.34, 0.34, 0.34}, {0.35, 0.34, 0.34}, {0.34, 0.35, 0.34}};
+  std::vector<Vec3> of_both(of_face);
+  of_both.insert(of_both.end(), of_tip.begin(), of_tip.end());
+  const Model face(small_mesh(of_face, {{0, 1, 2}})), tip(small_mesh(of_tip, {{0, 1, 2}}));
+  EXPECT_EQ(element_pairs({face}, {tip}, 0.05, {}, {}).vertex_face, 3U);
+  EXPECT_EQ(element_pairs({tip}, {face}, 0.05, {}, {}).vertex_face, 3U);
+  const Model both(small_mesh(of_both, {{0, 1, 2}, {3, 4, 5}}));
+  EXPECT_EQ(self_element_pairs(both, 0.05, {}, {}).vertex_face, 3U);
+}
+
 struct TwoBalls : ::testing::Test {
   Model ball{scenes::ball(20, 12)};
   Placed a{ball}, b{ball, {{}, {1, 0, 0}}};

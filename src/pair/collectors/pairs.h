@@ -343,14 +343,17 @@ class ElementsWithin {
 
   /// The elements that the triangles of a leaf represent, a byte for each triangle. Triangles that fill up a leaf
   /// represent nothing.
-  simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) const {
+  simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) {
+    LeafOwned& last = last_owned_[index(s)];
+    if (last.leaf == &leaf) return last.elements;
     std::uint64_t of_slots = 0;
     for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
       if (!leaf.is_in_use(slot)) break;
       of_slots |= (simd::OwnedElements::is_in_use | Access::represented_by(*edges_[index(s)], leaf.triangle[slot]))
                   << (8 * slot);
     }
-    return {of_slots};
+    last = {&leaf, {of_slots}};
+    return last.elements;
   }
 
   void compare_vertex_face(const Element& of_vertex, const Element& of_face) {
@@ -388,6 +391,11 @@ class ElementsWithin {
   VertexFaceVisitor visit_vertex_face_;
   EdgeEdgeVisitor visit_edge_edge_;
   const simd::Kernels& kernels_;
+  struct LeafOwned {
+    const bvh::Leaf* leaf = nullptr;
+    simd::OwnedElements elements;
+  };
+  LeafOwned last_owned_[2];  // of the leaves that were compared last
   bool is_stopped_ = false;
   std::uint32_t collected_ = 0;  // pairs of edges
   std::array<EdgeId, 2> collected_edges_[simd::SegmentPairs::room];
