@@ -21,6 +21,7 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "kernels/element_lists-inl.h"
+#include "kernels/moving_neighbors-inl.h"
 #include "kernels/project-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
@@ -227,6 +228,11 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
   const bvh::Leaf *const leaf_a = self != nullptr ? &self->a : nullptr, *const leaf_b =
                                                                             self != nullptr ? &self->b : nullptr;
   const LeafVertices vertices_a(leaf_a), vertices_b(leaf_b);
+  if constexpr (times > 1) {
+    const bool have_neighbors = self != nullptr && limit <= base::leaf_pair_error;
+    near = may_meet(a, vertices_a, b, vertices_b, have_neighbors, limit_sq, near);
+    if (near == 0) return;
+  }
   ElementList<3 * width * width> vertex_face, vertex_face_swapped;
   ElementList<9 * width * width> edge_edge;
   list_vertices(a, vertices_in(owned_a), leaf_a, faces_b, vertices_b, near, limit_sq, vertex_face);
