@@ -6,8 +6,8 @@
 //
 //   a direction  keeps two triangles apart if it does so at all times that are given, as in close_elements-inl.h;
 //   a line       through a shared corner keeps two neighbors apart, seen along an axis, as separated_by_line() says. It
-//                moves with its edge. On which side of it a corner is, a cross product tells: a quadratic in time, and
-//                the coefficients of its Bernstein form bound it.
+//                has one direction, or moves with an edge. Then a cross product tells on which side of it a corner is: a
+//                quadratic in time, and the coefficients of its Bernstein form bound it.
 
 #if defined(LIMBER_SIMD_MOVING_NEIGHBORS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_MOVING_NEIGHBORS_INL_H
@@ -56,13 +56,35 @@ LIMBER_KERNEL Bounds turn(const Sector (&p)[2], int i, const Sector (&q)[2], int
   return {min(min(first, last), middle), max(max(first, last), middle)};
 }
 
-/// As separated_by_line(), for all of the time between two.
-LIMBER_KERNEL unsigned separated_by_moving_line(const SharedCorners& shared, const Sector (&a)[2],
-                                                const Sector (&b)[2]) {
+/// Lanes in which a line through the one shared corner, across the mean direction from a to b, has both at all times on
+/// its two sides. The direction is fixed, so heights along it are linear in time.
+LIMBER_KERNEL Mask separated_across(const Sector (&a)[2], const Sector (&b)[2], Packet error) {
+  const auto sum = [](const Packet(&first)[2], const Packet(&last)[2]) {
+    return (first[0] + first[1]) + (last[0] + last[1]);
+  };
+  const Packet x = sum(b[0].x, b[1].x) - sum(a[0].x, a[1].x), y = sum(b[0].y, b[1].y) - sum(a[0].y, a[1].y);
+  Packet least = Packet::set(far_off);
+  for (int time = 0; time < 2; ++time) {
+    for (int k = 0; k < 2; ++k) {
+      least = min(least, x * b[time].x[k] + y * b[time].y[k]);
+      least = min(least, zero() - (x * a[time].x[k] + y * a[time].y[k]));
+    }
+  }
+  return least > (abs(x) + abs(y)) * error;
+}
+
+/// The `wanted` lanes, without those in which a line separates two neighbors for all of the time between two: one across
+/// them, or one as separated_by_line() has them.
+LIMBER_KERNEL unsigned not_separated(const SharedCorners& shared, const Sector (&a)[2], const Sector (&b)[2],
+                                     unsigned wanted) {
   const Packet error = Packet::set(moving_turn_error);
-  const Bounds turn_a = turn(a, 0, a, 1), turn_b = turn(b, 0, b, 1);
-  const Bounds t00 = turn(a, 0, b, 0), t01 = turn(a, 0, b, 1), t10 = turn(a, 1, b, 0), t11 = turn(a, 1, b, 1);
+  const Bounds turn_a = turn(a, 0, a, 1), t01 = turn(a, 0, b, 1);
   const Mask a_turns_mask = max(turn_a.low, zero() - turn_a.high) > error, a_turns_right_mask = turn_a.high < zero();
+  const Mask two_mask = a_turns_mask & (select(a_turns_right_mask, t01.low, zero() - t01.high) > error);
+  const unsigned left =
+      wanted & ~((bits(separated_across(a, b, error)) & shared.one_lanes) | (bits(two_mask) & shared.two_lanes));
+  if (left == 0) return 0;
+  const Bounds turn_b = turn(b, 0, b, 1), t00 = turn(a, 0, b, 0), t10 = turn(a, 1, b, 0), t11 = turn(a, 1, b, 1);
   const Mask b_turns_mask = max(turn_b.low, zero() - turn_b.high) > error, b_turns_right_mask = turn_b.high < zero();
   // How far both edges of one are beyond the first or the second edge of the other, which turns left or right.
   const auto beyond = [&](Mask turns_right_mask, const Bounds& first, const Bounds& second) {
@@ -70,10 +92,8 @@ LIMBER_KERNEL unsigned separated_by_moving_line(const SharedCorners& shared, con
   };
   const Packet beyond_a = beyond(a_turns_right_mask, around(t00, t01), around(t10, t11));
   const Packet beyond_b = beyond(b_turns_right_mask, around(t01, t11), around(t00, t10));
-  const Packet beyond_shared = select(a_turns_right_mask, t01.low, zero() - t01.high);
   const Mask one_mask = (a_turns_mask & (beyond_a > error)) | (b_turns_mask & (beyond_b > error));
-  const Mask two_mask = a_turns_mask & (beyond_shared > error);
-  return (bits(one_mask) & shared.one_lanes) | (bits(two_mask) & shared.two_lanes);
+  return left & ~(bits(one_mask) & shared.one_lanes);
 }
 
 /// The axis along which the first triangle of a leaf looks largest. Any is right.
@@ -140,7 +160,7 @@ LIMBER_KERNEL std::uint64_t may_meet(const LeafCorners (&a)[times], const LeafVe
           const int axes[2] = {(widest + k + 1) % 3, (widest + k + 2) % 3};
           const Sector of_a[2] = {Sector(shared.a, a[0], in_a, axes), Sector(shared.a, a[1], in_a, axes)};
           const Sector of_b[2] = {Sector(shared.b, b[0], in_b, axes), Sector(shared.b, b[1], in_b, axes)};
-          left &= ~separated_by_moving_line(shared, of_a, of_b);
+          left = not_separated(shared, of_a, of_b, left);
         }
       }
     }

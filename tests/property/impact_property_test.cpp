@@ -130,14 +130,19 @@ MovingScene moving_sheet(Rng& rng) {
 }
 
 /// Two neighbors. A corner of one goes through the other, or just past it, at the edge from the corner that they share.
+/// Some are mirrored at that edge, so that the mean direction from one to the other is perpendicular to it.
 MovingScene grazing_neighbors(Rng& rng) {
+  const bool are_mirrored = rng.below(2) == 0;
   Vec3 p[5];
-  for (Vec3& at : p) at = uniform_point(rng) + Vec3{0, 0, 0.1 * rng.uniform()};
-  const double nearly = std::pow(10.0, rng.uniform(-9, -5)) * (rng.below(4) == 0 ? -1 : 1);
-  const Vec3 met = p[0] + rng.uniform(0.2, 0.9) * (p[1] - p[0]) + nearly * (p[2] - p[0]);
+  for (Vec3& at : p) at = uniform_point(rng);
+  if (are_mirrored) p[0].z = p[1].z = p[2].z = 0;
+  const double nearly = std::pow(10.0, rng.uniform(-9, -5)) * (rng.below(4) == 0 ? -1 : 1),
+               part = rng.uniform(0.2, 0.9);
+  const Vec3 e = p[1] - p[0], f = p[2] - p[0], met = p[0] + part * e + nearly * f;
   Vec3 way{};
-  way[rng.below(3)] = rng.uniform();
-  p[3] = met + way, p[4] = met + uniform_point(rng);
+  way[are_mirrored ? 2 : rng.below(3)] = rng.uniform();
+  p[3] = met + way;
+  if (are_mirrored) p[4] = p[0] + (1 - part) * e + (2 * dot(e, f) / dot(e, e)) * e - f;
   std::vector<Vec3> end(p, p + 5);
   end[3] = met - way;
   const Mesh mesh = Mesh::create({p, p + 5}, {{0, 1, 2}, {4, 0, 3}}).value();
