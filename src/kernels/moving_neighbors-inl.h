@@ -6,8 +6,8 @@
 //
 //   a direction  keeps two triangles apart if it does so at all times that are given, as in close_elements-inl.h;
 //   a line       through a shared corner keeps two neighbors apart, seen along an axis, as separated_by_line() says. It
-//                has one direction, or moves with an edge. Then a cross product tells on which side of it a corner is: a
-//                quadratic in time, and the coefficients of its Bernstein form bound it.
+//                has one direction, or moves with an edge. Then a cross product tells on which side of it a corner is,
+//                a quadratic in time, and the coefficients of its Bernstein form bound it.
 
 #if defined(LIMBER_SIMD_MOVING_NEIGHBORS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_MOVING_NEIGHBORS_INL_H
@@ -73,8 +73,8 @@ LIMBER_KERNEL Mask separated_across(const Sector (&a)[2], const Sector (&b)[2], 
   return least > (abs(x) + abs(y)) * error;
 }
 
-/// The `wanted` lanes, without those in which a line separates two neighbors for all of the time between two: one across
-/// them, or one as separated_by_line() has them.
+/// The `wanted` lanes, without those in which a line separates two neighbors all the time: one across them, or one as
+/// separated_by_line() has them.
 LIMBER_KERNEL unsigned not_separated(const SharedCorners& shared, const Sector (&a)[2], const Sector (&b)[2],
                                      unsigned wanted) {
   const Packet error = Packet::set(moving_turn_error);
