@@ -190,25 +190,31 @@ class MovingFit {
   void fit_leaf(const Leaf& leaf, MovingLeaf& moving, MovingNode& node, std::uint32_t slot) const {
     for (std::uint32_t end = 0; end < motion_ends; ++end) {
       const Vec3* const positions = positions_[end];
-      Vec3 corners[3][width];
-      Vec3 low = positions[leaf.vertices[0][0]], high = low;
+      double corners[9][width];  // as in MovingLeaf: loops over slots become vectors
       for (std::uint32_t k = 0; k < width; ++k) {
         for (std::uint32_t corner = 0; corner < 3; ++corner) {
-          const Vec3& p = corners[corner][k] = positions[leaf.vertices[k][corner]];
-          low = min(low, p), high = max(high, p);
+          const Vec3& p = positions[leaf.vertices[k][corner]];
+          for (std::uint32_t axis = 0; axis < 3; ++axis) corners[3 * corner + axis][k] = p[axis];
         }
       }
-      const Vec3 center = 0.5 * low + 0.5 * high;
-      const double unit = unit_above(std::max(max_abs(high - center), max_abs(center - low))), per_unit = 1 / unit;
-      moving.unit[end] = unit;
+      double low[3], high[3], center[3], size = 0;
       for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        double least[width], most[width];
+        for (std::uint32_t k = 0; k < width; ++k) {
+          const double p = corners[axis][k], q = corners[3 + axis][k], r = corners[6 + axis][k];
+          least[k] = std::min(std::min(p, q), r), most[k] = std::max(std::max(p, q), r);
+        }
+        low[axis] = *std::min_element(least, least + width), high[axis] = *std::max_element(most, most + width);
+        center[axis] = 0.5 * low[axis] + 0.5 * high[axis];
+        size = std::max({size, high[axis] - center[axis], center[axis] - low[axis]});
         node.low[end][axis][slot] = low[axis], node.high[end][axis][slot] = high[axis];
         moving.center[end][axis] = center[axis];
-        for (std::uint32_t corner = 0; corner < 3; ++corner) {
-          float* const row = moving.corner[end][3 * corner + axis];
-          for (std::uint32_t k = 0; k < width; ++k) {
-            row[k] = static_cast<float>((corners[corner][k][axis] - center[axis]) * per_unit);
-          }
+      }
+      const double unit = unit_above(size), per_unit = 1 / unit;
+      moving.unit[end] = unit;
+      for (std::uint32_t i = 0; i < 9; ++i) {
+        for (std::uint32_t k = 0; k < width; ++k) {
+          moving.corner[end][i][k] = static_cast<float>((corners[i][k] - center[i % 3]) * per_unit);
         }
       }
     }

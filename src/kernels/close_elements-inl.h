@@ -20,6 +20,7 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "kernels/element_lists-inl.h"
+#include "kernels/moving_neighbors-inl.h"
 #include "kernels/project-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
@@ -190,14 +191,22 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
   const bvh::Leaf *const leaf_a = self != nullptr ? &self->a : nullptr, *const leaf_b =
                                                                             self != nullptr ? &self->b : nullptr;
   const LeafVertices vertices_a(leaf_a), vertices_b(leaf_b);
-  const std::uint64_t in_b = row_of(owned_b, 6) * in_each_byte, in_a = row_of(owned_a, 6) * in_each_byte;
-  const std::uint64_t once = is_same_leaf ? bvh::each_pair_once : ~std::uint64_t{0};
+  // A byte for each triangle of a, with a bit for each of b with which it may have close elements.
+  std::uint64_t faces = row_of(owned_b, 6) * in_each_byte & transpose(row_of(owned_a, 6) * in_each_byte);
+  if (is_same_leaf) faces &= bvh::each_pair_once;
+  if constexpr (times > 1) {
+    const bool have_neighbors = self != nullptr && limit <= base::leaf_pair_error;
+    faces =
+        may_meet(a, vertices_a, b, vertices_b, have_neighbors, limit_sq, near_faces(faces_a, faces_b, limit_sq, faces));
+    if (faces == 0) return;
+    near_a &= in_rows_with_bits(is_same_leaf ? faces | transpose(faces) : faces);
+    near_b &= in_rows_with_bits(is_same_leaf ? faces | transpose(faces) : transpose(faces));
+  }
   ElementList<3 * width * width> vertex_face, vertex_face_swapped;
   ElementList<9 * width * width> edge_edge;
-  list_vertices(a, vertices_in(owned_a) & between(near_a), leaf_a, faces_b, vertices_b, in_b & once, limit_sq,
-                vertex_face);
-  list_vertices(b, vertices_in(owned_b) & between(near_b), leaf_b, faces_a, vertices_a, in_a & transpose(once),
-                limit_sq, vertex_face_swapped);
+  list_vertices(a, vertices_in(owned_a) & between(near_a), leaf_a, faces_b, vertices_b, faces, limit_sq, vertex_face);
+  list_vertices(b, vertices_in(owned_b) & between(near_b), leaf_b, faces_a, vertices_a, transpose(faces), limit_sq,
+                vertex_face_swapped);
   const EdgeRow<times> row_b(is_same_leaf ? edges_a : edges_b, vertices_b, near_b & edges_in(owned_b));
   list_edges(edges_a, near_a & edges_in(owned_a), vertices_a, self != nullptr, row_b, is_same_leaf, limit_sq,
              edge_edge);

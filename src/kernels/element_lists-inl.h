@@ -113,6 +113,21 @@ LIMBER_KERNEL unsigned near_boxes(const Region<times>& region, const Boxes (&box
   return found;
 }
 
+/// The triangles of two leaves that are near each other, of those in `faces`: a byte for each of a, a bit for each of b.
+template <std::uint32_t times>
+LIMBER_KERNEL std::uint64_t near_faces(const Boxes (&faces_a)[times], const Boxes (&faces_b)[times], Packet limit_sq,
+                                       std::uint64_t faces) {
+  std::uint64_t near = 0;
+  for (std::uint32_t row = 0; row < width; ++row) {
+    Region<times> face;
+    for (std::uint32_t time = 0; time < times; ++time) {
+      face.low[time] = repeated(faces_a[time].low, row), face.high[time] = repeated(faces_a[time].high, row);
+    }
+    near |= std::uint64_t{near_boxes(face, faces_b, 0, limit_sq)} << (8 * row);
+  }
+  return near & faces;
+}
+
 /// The box around all faces of a leaf.
 template <std::uint32_t times>
 LIMBER_KERNEL Region<times> box_around(const Boxes (&faces)[times]) {
@@ -153,6 +168,13 @@ LIMBER_KERNEL unsigned faces_with(const LeafVertices& leaf, VertexId vertex) {
              << i;
   }
   return found;
+}
+
+/// The elements, as ElementCandidate has them, of the triangles whose rows in a matrix of 8 by 8 bits are not 0.
+LIMBER_KERNEL std::uint32_t in_rows_with_bits(std::uint64_t m) {
+  std::uint32_t rows = 0;
+  for (std::uint32_t row = 0; row < width; ++row) rows |= (row_of(m, row) != 0 ? 1U : 0U) << row;
+  return rows * 0x010101U;
 }
 
 /// Lists vertices and faces whose boxes are close, without those that share a vertex. `faces` has a byte for each

@@ -120,7 +120,8 @@ struct SharedCorners {
   unsigned two_lanes;  // most corners of each are shared: two, or three
 };
 
-LIMBER_KERNEL SharedCorners shared_corners(const SelfLeaf& a, const Slots& in_a, const SelfLeaf& b, const Slots& in_b) {
+template <typename Leaf>
+LIMBER_KERNEL SharedCorners shared_corners(const Leaf& a, const Slots& in_a, const Leaf& b, const Slots& in_b) {
   Mask same[3][3];
   const Ids of_b[3] = {pick(b.id[0], in_b), pick(b.id[1], in_b), pick(b.id[2], in_b)};
   for (int k = 0; k < 3; ++k) {

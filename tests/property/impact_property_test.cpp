@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "reference/reference.h"
+#include "scenes/scenes.h"
 #include "simd/kernels.h"
 #include "support/keys.h"
 #include "support/random_scene.h"
@@ -101,6 +102,51 @@ MovingScene arbitrary_moving_scene(Rng& rng) {
   if (rng.below(3) == 0) options.max_time = rng.below(2) == 0 ? rng.uniform() : std::ldexp(1.0, -20);
   if (rng.below(3) == 0) options.time_error = std::ldexp(1.1, -static_cast<int>(rng.below(50)));
   return {mesh_a, mesh_b, end_a, end_b, poses[0], poses[1], poses[2], poses[3], scale, options};
+}
+
+/// A sheet: a strip around a point, whose ends may come to lie over each other, a bent or a plane one. Its vertices go
+/// their own ways, too, from hardly at all to past their neighbors; so most pairs of triangles are neighbors that stay
+/// apart, and some hardly touch.
+MovingScene moving_sheet(Rng& rng) {
+  const auto columns = static_cast<std::uint32_t>(1 + rng.below(8)),
+             rows = static_cast<std::uint32_t>(1 + rng.below(4));
+  const Mesh plane = scenes::grid(columns, rows, 0, 0, 1.0 / columns, 1.0 / rows);
+  const std::uint64_t kind = rng.below(3);
+  const double inner = rng.below(2) == 0 ? 0.01 : rng.uniform(0.1, 2), rise = rng.below(2) == 0 ? 0 : rng.uniform();
+  std::vector<Vec3> positions[2];
+  const Transform pose = rng.below(2) == 0 ? Transform{} : random_pose(rng, 1);
+  for (std::vector<Vec3>& to : positions) {
+    const double span = rng.uniform(0.5, kind == 0 ? 7 : 3), noise = std::pow(10.0, rng.uniform(-4, 0)) / columns;
+    for (const Vec3& p : plane.positions()) {
+      const double angle = span * p.x, radius = inner + p.y;
+      const Vec3 at = kind == 0   ? Vec3{radius * std::cos(angle), radius * std::sin(angle), rise * p.x}
+                      : kind == 1 ? Vec3{std::sin(angle), p.y, std::cos(angle)}
+                                  : p;
+      to.push_back(pose(at + noise * uniform_point(rng)));
+    }
+  }
+  const Mesh mesh = Mesh::create(positions[0], plane.triangles()).value();
+  return {mesh, mesh, positions[1], positions[1], {}, {}, {}, {}, 1, {}};
+}
+
+/// Two neighbors. A corner of one goes through the other, or just past it, at the edge from the corner that they share.
+/// Some are mirrored at that edge, so that the mean direction from one to the other is perpendicular to it.
+MovingScene grazing_neighbors(Rng& rng) {
+  const bool are_mirrored = rng.below(2) == 0;
+  Vec3 p[5];
+  for (Vec3& at : p) at = uniform_point(rng);
+  if (are_mirrored) p[0].z = p[1].z = p[2].z = 0;
+  const double nearly = std::pow(10.0, rng.uniform(-9, -5)) * (rng.below(4) == 0 ? -1 : 1),
+               part = rng.uniform(0.2, 0.9);
+  const Vec3 e = p[1] - p[0], f = p[2] - p[0], met = p[0] + part * e + nearly * f;
+  Vec3 way{};
+  way[are_mirrored ? 2 : rng.below(3)] = rng.uniform();
+  p[3] = met + way;
+  if (are_mirrored) p[4] = p[0] + (1 - part) * e + (2 * dot(e, f) / dot(e, e)) * e - f;
+  std::vector<Vec3> end(p, p + 5);
+  end[3] = met - way;
+  const Mesh mesh = Mesh::create({p, p + 5}, {{0, 1, 2}, {4, 0, 3}}).value();
+  return {mesh, mesh, end, end, {}, {}, {}, {}, 1, {}};
 }
 
 /// The queries of two models, or of one with itself.
@@ -263,13 +309,15 @@ void check_candidates(const MovingScene& s, const ImpactQueries& queries, const 
   EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end(), same_ids), sorted.end()) << "a pair came twice";
 }
 
-void check_scenes(std::uint64_t seed, bool is_self) {
-  const std::uint64_t count = count_from("LIMBER_IMPACT_SCENES", 60);  // more by hand than with all other tests
+template <typename Draw>
+ImpactTotals check_scenes(std::uint64_t seed, bool is_self, std::uint64_t least_count, const Draw& draw) {
+  const std::uint64_t count =
+      count_from("LIMBER_IMPACT_SCENES", least_count);  // more by hand than with all other tests
   Rng rng(seed);
   ImpactTotals totals;
   for (std::uint64_t i = 0; i < count && !::testing::Test::HasFailure(); ++i) {
     SCOPED_TRACE(i);
-    const MovingScene s = arbitrary_moving_scene(rng);
+    const MovingScene s = draw(rng);
     const ImpactQueries queries(s, is_self);
     const auto brute_force = [&](const ElementImpactOptions& of_pairs) {
       return is_self ? s.self_brute_force(of_pairs) : s.brute_force(of_pairs);
@@ -279,11 +327,23 @@ void check_scenes(std::uint64_t seed, bool is_self) {
     check_candidates(s, queries, truth);
     if (i % 8 == 0) check_separation(s, queries, s.size * std::ldexp(1.0, -static_cast<int>(rng.below(12))));
   }
-  totals.expect_many();
+  return totals;
 }
 
-TEST(ImpactProperty, OfTwoModelsIsThatOfBruteForce) { check_scenes(3201, false); }
-TEST(ImpactProperty, OfOneModelIsThatOfBruteForce) { check_scenes(3202, true); }
+TEST(ImpactProperty, OfTwoModelsIsThatOfBruteForce) {
+  check_scenes(3201, false, 60, arbitrary_moving_scene).expect_many();
+}
+TEST(ImpactProperty, OfOneModelIsThatOfBruteForce) {
+  check_scenes(3202, true, 60, arbitrary_moving_scene).expect_many();
+}
+TEST(ImpactProperty, OfNeighborsIsThatOfBruteForce) {
+  for (const ImpactTotals& totals :
+       {check_scenes(3203, true, 1000, moving_sheet), check_scenes(3204, true, 2000, grazing_neighbors)}) {
+    EXPECT_GT(totals.impacts, totals.scenes / 2);
+    EXPECT_GT(totals.clear, totals.scenes / 10);
+    EXPECT_LT(totals.clear, totals.scenes - totals.scenes / 10);
+  }
+}
 
 }  // namespace
 }  // namespace limber::testing
