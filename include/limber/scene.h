@@ -322,7 +322,7 @@ class Scene {
   LIMBER_API void closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
                                        std::span<ClosestObjectsResult> results,
                                        const SceneDistanceOptions& options = {}) const;
-  /// Asks any_within() of many configurations, each O(n) and with a copy of the scene. A filter is called once for every
+  /// Asks any_within() of many configurations, each O(n), with a copy of the scene. A filter is called once for every
   /// two objects. All else as above; those that are left when time is up are undecided.
   LIMBER_API void any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
                                   std::span<AnyWithinResult> results, const SceneQueryOptions& options = {}) const;

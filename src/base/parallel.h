@@ -63,8 +63,8 @@ void parallel_for_ranges(std::size_t count, std::size_t size, const Body& body) 
   parallel_for((count + size - 1) / size, 1, [&](std::size_t i) { body(i * size, std::min(count, (i + 1) * size)); });
 }
 
-/// Calls body(state, i) for every i below `count`. Each thread has a state of its own, make(), and takes the next i that
-/// is left, so that none is idle while others have many.
+/// Calls body(state, i) for every i below `count`. Each thread has a state of its own, make(), and takes the next i
+/// that is left, so that none is idle while others have many.
 template <typename Make, typename Body>
 void parallel_for_with(std::size_t count, const Make& make, const Body& body) {
   std::atomic<std::size_t> next = 0;
