@@ -30,7 +30,7 @@ struct ObjectPair {
 using ObjectPairVisitor = FunctionRef<bool(const ObjectPair&)>;
 
 /// Which pairs count: called for pairs whose bounds are close, with a < b, by the thread that asks, now and then twice.
-/// The functions for many configurations call it once for every two objects, close or not.
+/// The functions for many configurations call it once or twice for two objects, close or not.
 using ObjectPairFilter = FunctionRef<bool(ObjectId a, ObjectId b)>;
 
 /// Which pairs of objects count, as a symmetric matrix of bits: an ObjectPairFilter. Robots call it the allowed
@@ -314,13 +314,16 @@ class Scene {
   ///          no objects, lower 0 and upper infinity.
   /// Throws   As set_poses() and closest_objects(); unless there are results.size() poses of each id, and no cache is
   ///          given. Whatever is thrown, no result counts.
-  /// Cost     For each configuration O(n) for the bounds of n objects, and distances of the few pairs whose bounds are
-  ///          closer than the closest pair; configurations are shared by the threads of the calling oneTBB arena.
-  ///          First a filter is called once for every two objects. Allocates some copies of the scene.
+  /// Cost     For each configuration distances of the few pairs whose bounds are closer than the closest pair, and
+  ///          O(log n) for each object that moves among n, where the filter leaves out pairs of those that stay; where
+  ///          it counts any, O(n). Threads of the calling oneTBB arena take one configuration after the other. A filter
+  ///          is called before and after, for each pair of which one moves and for close ones of the others; else once
+  ///          for every two objects. Allocates a copy of what moves, or of the scene, for each thread.
   LIMBER_API void closest_objects_many(std::span<const ObjectId> ids, std::span<const Transform> poses,
                                        std::span<ClosestObjectsResult> results,
                                        const SceneDistanceOptions& options = {}) const;
-  /// Asks any_within() of many configurations. All else as above; those that are left when time is up are undecided.
+  /// Asks any_within() of many configurations, each O(n), with a copy of the scene. A filter is called once for every
+  /// two objects. All else as above; those that are left when time is up are undecided.
   LIMBER_API void any_within_many(std::span<const ObjectId> ids, std::span<const Transform> poses, double max_distance,
                                   std::span<AnyWithinResult> results, const SceneQueryOptions& options = {}) const;
 

@@ -67,6 +67,9 @@ class PairFilter {
   /// Whether the query has to hold the GIL.
   bool needs_gil() const { return predicate_.function.is_valid(); }
 
+  /// The matrix that the filter is, if it is one.
+  const std::optional<ObjectPairMatrix>& matrix() const { return matrix_; }
+
   /// For the options of a query; refers to this object.
   std::optional<FilterRef> get() const {
     if (needs_gil()) return FilterRef(predicate_);

@@ -35,6 +35,10 @@ class SceneBatch {
     if (!which.get()) return;
     // Once for all parts, so that they need no GIL.
     scene_.read([&](const Scene& of_ids) {
+      if (which.matrix() && which.matrix()->size() >= of_ids.id_bound()) {
+        counts_ = which.matrix();
+        return;
+      }
       counts_.emplace(of_ids.id_bound(), false);
       for (ObjectId b = 0; b < of_ids.id_bound(); ++b) {
         run_signal_handlers();

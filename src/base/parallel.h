@@ -11,6 +11,7 @@
 #endif
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <vector>
 
@@ -60,6 +61,23 @@ template <typename Body>
 void parallel_for_ranges(std::size_t count, std::size_t size, const Body& body) {
   LIMBER_ASSERT(size > 0);
   parallel_for((count + size - 1) / size, 1, [&](std::size_t i) { body(i * size, std::min(count, (i + 1) * size)); });
+}
+
+/// Calls body(state, i) for every i below `count`. Each thread has a state of its own, make(), and takes the next i
+/// that is left, so that none is idle while others have many.
+template <typename Make, typename Body>
+void parallel_for_with(std::size_t count, const Make& make, const Body& body) {
+  std::atomic<std::size_t> next = 0;
+  const auto take_all = [&](std::size_t) {
+    std::size_t i = next++;
+    if (i >= count) return;
+    for (auto state = make(); i < count; i = next++) body(state, i);
+  };
+  std::size_t threads = 1;
+#if defined(LIMBER_THREADS)
+  threads = static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency());
+#endif
+  parallel_for(std::min(count, threads), 1, take_all);
 }
 
 /// Calls make(i, made) for every i below `count`, several at a time, and then take(made) one after the other, in order,

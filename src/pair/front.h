@@ -79,8 +79,10 @@ class Front {
   /// Begins a traversal, for which the caller clears state(). If the last one was of the same models, its records and
   /// its bound stay, less the motion since. Otherwise there are none.
   void begin(const PlacedPair& placed, const Transform& a_from_b) {
+    moved_ = 0;
     if (!is_complete_ || !is_of(placed)) {
       clear();
+      moved_ = infinity;
       for (const Side s : {Side::a, Side::b}) build_id_[index(s)] = placed.tree(s).build_id;
     } else {
       if (is_suspended_) open_pairs_ = give_back_queue();
@@ -112,6 +114,14 @@ class Front {
     is_complete_ = true;
   }
   double motion_bound() const { return motion_bound_; }
+  /// Whether begin() has found a bound of the last traversal, from which it took the motion since.
+  bool has_bound() const { return moved_ < infinity; }
+  /// Whether the models have moved so little since the last traversal that records are likely to help the next one. To
+  /// record costs part of a query, and of a cache's first ones more, as they touch its memory.
+  bool has_moved_little(const PlacedPair& placed) const {
+    const double radius = std::min(bvh::root_radius(placed.tree(Side::a)), bvh::root_radius(placed.tree(Side::b)));
+    return moved_ <= little_of_radius * radius + little_of_distance * distance_;
+  }
 
   /// Notes that the traversal has skipped ties (Ties::skipped): pairs that are as far apart as the best, which is at
   /// `distance`, up to rounding. By that rounding they may be nearer than the bounds of this front.
@@ -210,8 +220,8 @@ class Front {
   void add_motion(const PlacedPair& placed, const Transform& a_from_b) {
     const double before = displacement_[0] + displacement_[1], rounding = before * (base::sum_up - 1);
     const double deformation = placed.tree(Side::a).displacement + placed.tree(Side::b).displacement - before;
-    motion_bound_ += placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
-    motion_bound_ *= base::sum_up;
+    moved_ = placed.max_displacement(a_from_b_, error_, a_from_b) + deformation + rounding;
+    motion_bound_ = (motion_bound_ + moved_) * base::sum_up;
     tied_distance_ = infinity;
   }
   bool is_of(const PlacedPair& placed) const {
@@ -239,6 +249,9 @@ class Front {
     return r;
   }
 
+  // Parts of the smaller radius and of the distance: beyond, a front that was kept saved nothing, on the mix's scenes
+  // along paths. No answer depends on it.
+  static constexpr double little_of_radius = 1. / 4, little_of_distance = 1. / 32;
   // In records of 48 bytes. No answer depends on it: with less room, more records stand for all below their children.
   static constexpr std::uint32_t capacity = 1024;
 
@@ -246,10 +259,10 @@ class Front {
   // Where the models were in the last traversal.
   Transform pose_[2], a_from_b_;
   double error_ = 0, displacement_[2] = {0, 0};
-  double unit_[2] = {1, 1};  // of the trees; a model that grows or shrinks a lot gets another one
-  double motion_bound_ = 0;
-  double distance_ = 0, found_at_ = 0;  // the bound of the models' distance, and motion_bound() when it was found
-  double tied_distance_ = infinity;     // at which ties were skipped since the last motion
+  double unit_[2] = {1, 1};              // of the trees; a model that grows or shrinks a lot gets another one
+  double motion_bound_ = 0, moved_ = 0;  // in all, and since the last traversal, infinite if there was none
+  double distance_ = 0, found_at_ = 0;   // the bound of the models' distance, and motion_bound() when it was found
+  double tied_distance_ = infinity;      // at which ties were skipped since the last motion
   bool is_complete_ = false;
   bool is_suspended_ = false;  // whether the queue of state_ has what the last traversal has left
   double cutoff_ = 0;          // that of the interrupted traversal

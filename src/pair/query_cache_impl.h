@@ -25,6 +25,8 @@ class Trial {
     if (!is_on_) credit_ += allowance;
     return is_on_;
   }
+  /// Whether it has lately gained more than it has lost.
+  bool has_paid() const { return credit_ > to_begin; }
   void add_gain(double gain) {
     LIMBER_ASSERT(gain <= 1);
     credit_ = std::clamp(credit_ + gain, -1.0, 2.0);
@@ -41,20 +43,23 @@ class Trial {
 }  // namespace pair
 
 struct QueryCache::Impl {
+  Impl() {}  // NOLINT: a defaulted one would clear the front's memory, 90 kB that few queries need
+
   TriangleId triangle_a = no_id, triangle_b = no_id;  // the last answer
-  pair::Front front;
-  pair::Trial pair;        // to compare these triangles first
-  pair::Trial bound;       // to keep the bound of the last query, less the motion since
-  pair::Trial recording;   // to record a front
+  pair::Trial pair;                                   // to compare these triangles first
+  pair::Trial bound;                                  // to keep the bound of the last query, less the motion since
+  pair::Trial recording;                              // to record a front
   double work_of_new = 0;  // of the last traversal from the roots, in pairs of nodes that are compared
+  pair::Front front;
 
   /// Judges whether comparing the triangles first has helped a query.
   void judge_pair(bool has_helped) { judge(pair, has_helped, cost_of_pair); }
   /// Judges whether the bound has ended a query.
   void judge_bound(bool has_ended) { judge(bound, has_ended, cost_of_bound); }
-  /// Judges a traversal from the roots that has recorded a front.
+  /// Judges a traversal from the roots that has recorded a front. It may have been short only because the last answer
+  /// is near this one, so it does not make what is saved look small.
   void judge_new_front(double work) {
-    work_of_new = work;
+    work_of_new = std::max(work_of_new, work);
     recording.add_gain(-cost_of_recording);
   }
   /// Judges a traversal that started with the records of a front. The work of a new one may have become less since it

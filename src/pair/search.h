@@ -162,14 +162,16 @@ Unsearched with_cache(const Search& search, double root_bound, QueryCache::Impl&
     return {std::max(root_bound, front.bound())};
   }
   Unsearched left{0};
-  if (continues || search.meter.is_limited() || cache.recording.is_due()) {
+  // A front is begun where it has paid, or likely will.
+  const bool may_pay = cache.recording.has_paid() || front.has_moved_little(placed);
+  if (continues || search.meter.is_limited() || (may_pay && cache.recording.is_due())) {
     left = recording(search, root_bound, continues, cache, collector);
   } else {
     front.forget_records();
     left = without_cache(search, root_bound, collector);
     front.finish();
     cache.work_of_new = left.work;
-    cache.judge_bound(false);
+    if (front.has_bound()) cache.judge_bound(false);
   }
   left.distance = std::max(left.distance, front.bound());
   front.improve_bound(left.distance);

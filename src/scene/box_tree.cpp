@@ -125,10 +125,10 @@ WorldBounds BoxTree::bounds_of(std::uint32_t rank) const {
   return {box_of(boxes_[rank / width], rank % width), spheres_[rank]};
 }
 
-double BoxTree::lower_bound(const WorldBounds& bounds, std::uint32_t rank) const {
-  const Sphere &a = bounds.sphere, &b = spheres_[rank];
-  const double of_spheres = base::distance_down(a.center, b.center) - (a.radius + b.radius) * radii_up;
-  const double of_boxes = base::distance_down({}, gaps(bounds.box, bounds_of(rank).box));
+double lower_bound(const WorldBounds& a, const WorldBounds& b) {
+  const double of_spheres =
+      base::distance_down(a.sphere.center, b.sphere.center) - (a.sphere.radius + b.sphere.radius) * radii_up;
+  const double of_boxes = base::distance_down({}, gaps(a.box, b.box));
   // The factor covers the subtraction too: it takes 1024 u of the difference away, which is off by 1 u of itself.
   return std::max(of_spheres, of_boxes) * (1 - base::scene_distance_error);
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,21 @@
 #include "scene/world_bounds.h"
 
 namespace limber::scene {
+
+/// A cube of cubic cells, numbered along a Hilbert curve. A flat scene is divided along its plane only.
+class HilbertGrid {
+ public:
+  /// That of points between two corners; none if they are so close that their order does not matter.
+  static std::optional<HilbertGrid> of(const Vec3& low, const Vec3& high);
+  /// Whether a point is between the corners.
+  bool contains(const Vec3& p) const { return min(p, low_) == low_ && max(p, high_) == high_; }
+  /// The number of a point's cell. Pre: contains(p).
+  std::uint32_t cell_of(const Vec3& p) const;
+
+ private:
+  Vec3 low_, high_;
+  double per_length_ = 0;
+};
 
 /// Orders points so that those which follow each other are near each other: along a Hilbert curve through the cells of
 /// a grid.
@@ -22,21 +38,25 @@ namespace limber::scene {
 class HilbertOrder {
  public:
   /// The indices of `centers`, in order. Depends on the points alone; equal points are in the order of their indices.
-  /// Valid until the next call.
+  /// Valid until the next call. A grid is that of more points than these, whose order they are to have.
   ///
   /// Cost     O(n) for points that are spread out, O(n log n) for others; allocates where there are more points than
   ///          ever.
-  std::span<const std::uint32_t> sort(std::span<const Vec3> centers);
+  std::span<const std::uint32_t> sort(std::span<const Vec3> centers, const HilbertGrid* grid = nullptr);
 
  private:
   using Entry = std::uint64_t;  // the place of the cell on the curve, then the index
 
   void sort_range(std::span<const Vec3> centers, std::size_t begin, std::size_t end);
+  void sort_range(std::span<const Vec3> centers, std::size_t begin, std::size_t end, const HilbertGrid& grid);
   void sort_entries(std::size_t begin, std::size_t end);
 
   std::vector<Entry> entries_, other_entries_;
   std::vector<std::uint32_t> order_;
 };
+
+/// A lower bound of the distance of two things with these bounds.
+double lower_bound(const WorldBounds& a, const WorldBounds& b);
 
 /// An 8-wide tree over the bounds of placed models, built anew whenever some have moved.
 ///
@@ -58,7 +78,7 @@ class BoxTree {
   bool may_be_within(std::uint32_t rank_a, std::uint32_t rank_b, double margin) const;
   /// A lower bound of the distance of two models.
   double lower_bound(std::uint32_t rank_a, std::uint32_t rank_b) const {
-    return lower_bound(bounds_of(rank_a), rank_b);
+    return scene::lower_bound(bounds_of(rank_a), bounds_of(rank_b));
   }
 
   /// Calls visit(rank_a, rank_b) once for every two models that may be within the margin, of which the one with the
@@ -70,7 +90,9 @@ class BoxTree {
   /// that returns false. Returns whether it never did. Pre: as for may_be_within().
   bool visit_near(const WorldBounds& bounds, double margin, FunctionRef<bool(std::uint32_t)> visit) const;
   /// A lower bound of the distance of a model and something else with those bounds.
-  double lower_bound(const WorldBounds& bounds, std::uint32_t rank) const;
+  double lower_bound(const WorldBounds& bounds, std::uint32_t rank) const {
+    return scene::lower_bound(bounds, bounds_of(rank));
+  }
 
  private:
   class PairCollector;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "base/parallel.h"
 #include "limber/distance.h"
 #include "scene/scene_impl.h"
+#include "scene/still_objects.h"
 
 namespace limber {
 namespace {
@@ -36,7 +38,7 @@ class ClosestSearch {
   ClosestObjectsResult among_objects(std::optional<ObjectPairFilter> filter) {
     ask_neighbors(filter);
     const auto visit = [&](std::uint32_t rank_a, std::uint32_t rank_b) {
-      wait(rank_a, rank_b, filter);
+      wait(scene_.pair_of(rank_a, rank_b), scene_.tree.lower_bound(rank_a, rank_b), filter);
       return true;
     };
     const std::uint32_t leaves = scene_.tree.leaf_count();
@@ -53,6 +55,22 @@ class ClosestSearch {
     if (scene::ends_all(stopped_by_)) closest_.result.lower = 0;
     ask_waiting();
     if (cache_ != nullptr) Access::impl(*cache_).closest = closest_.objects;
+    return finish();
+  }
+  /// find_closest_of_moved() says it.
+  std::optional<ClosestObjectsResult> among_moved(scene::MovedObjects& moved, std::optional<ObjectPairFilter> filter,
+                                                  double& margin) {
+    moved_ = &moved;
+    const auto visit = [&](const ObjectPair& pair, double bound) { wait(pair, bound, filter); };
+    if (!all_can_wait(moved.size())) {
+      moved.visit_neighbors(visit);
+      ask_seeds();
+    }
+    margin = scene::margin_with_error(limit());
+    if (closest_.result.upper > 0 && !scene::ends_all(stopped_by_)) moved.visit_pairs(margin, visit);
+    if (waiting_.size() > most_waiting) return std::nullopt;
+    if (scene::ends_all(stopped_by_)) closest_.result.lower = 0;
+    ask_waiting();
     return finish();
   }
   /// The object closest to a model is `b` of the result.
@@ -84,13 +102,14 @@ class ClosestSearch {
   /// Pairs farther apart need not be asked; if one has been found, those exactly as far apart neither.
   double limit() const { return std::min(closest_.result.upper, options_.max_distance); }
   bool may_matter(double bound) const { return is_found() ? bound < limit() : bound <= limit(); }
-  const Placed& placed(ObjectId id) const { return id == no_id ? *model_ : scene_.placed(id); }
+  const Placed& placed(ObjectId id) const {
+    if (moved_ != nullptr) return moved_->placed(id);
+    return id == no_id ? *model_ : scene_.placed(id);
+  }
+  static bool all_can_wait(std::size_t objects) { return objects * objects <= 2 * most_waiting; }
 
-  void wait(std::uint32_t rank_a, std::uint32_t rank_b, std::optional<ObjectPairFilter> filter) {
-    const double bound = scene_.tree.lower_bound(rank_a, rank_b);
-    if (!may_matter(bound)) return;
-    const ObjectPair pair = scene_.pair_of(rank_a, rank_b);
-    if (!filter || (*filter)(pair.a, pair.b)) waiting_.push_back({bound, pair});
+  void wait(const ObjectPair& pair, double bound, std::optional<ObjectPairFilter> filter) {
+    if (may_matter(bound) && (!filter || (*filter)(pair.a, pair.b))) waiting_.push_back({bound, pair});
   }
   /// Asks the pairs that wait, those that matter.
   void ask_waiting() {
@@ -141,9 +160,15 @@ class ClosestSearch {
         ask_round({{{0, last}}});
       }
     }
-    const std::size_t size = scene_.tree.size();
-    if (size * size <= 2 * most_waiting) return;  // all pairs can wait, so the nearest bounds come first anyway
-    for (std::uint32_t rank = 0; rank + 1 < size; ++rank) wait(rank, rank + 1, filter);
+    const std::uint32_t size = scene_.tree.size();
+    if (all_can_wait(size)) return;  // so the nearest bounds come first anyway
+    for (std::uint32_t rank = 0; rank + 1 < size; ++rank) {
+      wait(scene_.pair_of(rank, rank + 1), scene_.tree.lower_bound(rank, rank + 1), filter);
+    }
+    ask_seeds();
+  }
+  /// Asks those that are likely to be close of the neighbors that wait.
+  void ask_seeds() {
     if (waiting_.size() > seeds) {
       std::nth_element(waiting_.begin(), waiting_.begin() + seeds, waiting_.end());
       waiting_.resize(seeds);
@@ -175,6 +200,7 @@ class ClosestSearch {
   SceneCache* const cache_;
   const std::size_t grain_;
   const Placed* model_ = nullptr;  // which no_id stands for
+  const scene::MovedObjects* moved_ = nullptr;
   ClosestObjectsResult closest_;
   StoppedBy stopped_by_ = StoppedBy::nothing;
   std::vector<Waiting> waiting_;
@@ -255,6 +281,11 @@ class AnyWithinSearch {
 ClosestObjectsResult scene::find_closest(const Scene::Impl& scene, const SceneDistanceOptions& options,
                                          std::size_t grain) {
   return ClosestSearch(scene, options.distance, options.cache, grain).among_objects(options.filter);
+}
+
+std::optional<ClosestObjectsResult> scene::find_closest_of_moved(MovedObjects& moved,
+                                                                 const SceneDistanceOptions& options, double& margin) {
+  return ClosestSearch(moved.scene(), options.distance, nullptr, no_tasks).among_moved(moved, options.filter, margin);
 }
 
 ClosestObjectsResult Scene::closest_objects(const SceneDistanceOptions& options) const {

@@ -82,10 +82,26 @@ std::uint64_t place_of(std::uint64_t entry) { return entry >> 32; }
 
 }  // namespace
 
-std::span<const std::uint32_t> HilbertOrder::sort(std::span<const Vec3> centers) {
+std::optional<HilbertGrid> HilbertGrid::of(const Vec3& low, const Vec3& high) {
+  const double extent = max_abs(high - low);
+  if (extent < smallest_extent) return std::nullopt;
+  HilbertGrid grid;
+  grid.low_ = low, grid.high_ = high, grid.per_length_ = cells_per_axis / extent;
+  return grid;
+}
+
+std::uint32_t HilbertGrid::cell_of(const Vec3& p) const {
+  const auto cell = [&](double from_low) {
+    return static_cast<std::uint32_t>(std::min(from_low * per_length_, cells_per_axis - 1));
+  };
+  const Vec3 from_low = p - low_;
+  return place_on_curve(cell(from_low.x), cell(from_low.y), cell(from_low.z));
+}
+
+std::span<const std::uint32_t> HilbertOrder::sort(std::span<const Vec3> centers, const HilbertGrid* grid) {
   entries_.resize(centers.size()), other_entries_.resize(centers.size()), order_.resize(centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i) entries_[i] = i;
-  sort_range(centers, 0, centers.size());
+  grid == nullptr ? sort_range(centers, 0, centers.size()) : sort_range(centers, 0, centers.size(), *grid);
   for (std::size_t i = 0; i < centers.size(); ++i) order_[i] = index_of(entries_[i]);
   return order_;
 }
@@ -97,17 +113,14 @@ void HilbertOrder::sort_range(std::span<const Vec3> centers, std::size_t begin, 
     const Vec3& c = centers[index_of(entries_[i])];
     low = min(low, c), high = max(high, c);
   }
-  const double extent = max_abs(high - low);
-  if (extent < smallest_extent) return;
-  // Cubic cells: a flat scene is divided along its plane only.
-  const double per_length = cells_per_axis / extent;
-  const auto cell = [&](double from_low) {
-    return static_cast<std::uint32_t>(std::min(from_low * per_length, cells_per_axis - 1));
-  };
+  if (const auto grid = HilbertGrid::of(low, high)) sort_range(centers, begin, end, *grid);
+}
+
+void HilbertOrder::sort_range(std::span<const Vec3> centers, std::size_t begin, std::size_t end,
+                              const HilbertGrid& grid) {
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t index = index_of(entries_[i]);
-    const Vec3 from_low = centers[index] - low;
-    entries_[i] = std::uint64_t{place_on_curve(cell(from_low.x), cell(from_low.y), cell(from_low.z))} << 32 | index;
+    entries_[i] = std::uint64_t{grid.cell_of(centers[index])} << 32 | index;
   }
   sort_entries(begin, end);
   for (std::size_t i = begin; i < end;) {

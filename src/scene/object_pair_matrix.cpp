@@ -98,8 +98,10 @@ void ObjectPairMatrix::set_between(std::span<const ObjectId> ids_a, std::span<co
 }
 
 bool ObjectPairMatrix::operator()(ObjectId a, ObjectId b) const {
-  require_ids({{a, b}}, "");
-  if (a == b) return false;
+  if (a == b || std::max(a, b) >= size_ || bits_.empty()) {
+    require_ids({{a, b}}, "");
+    return false;
+  }
   const std::size_t place = place_of(std::min(a, b), std::max(a, b));
   return (bits_[place / bits_of_word] >> (place % bits_of_word) & 1) != 0;
 }

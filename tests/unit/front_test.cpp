@@ -4,10 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <memory>
+#include <new>
 #include <vector>
 
+#include "base/access.h"
 #include "limber/distance.h"
 #include "limber/model.h"
 #include "pair/placed_pair.h"
@@ -110,8 +115,9 @@ TEST(Front, CoversTheRoundingOfThePlaceBefore) {
     const Model a(points(0)), b(points(1));
     const Transform far{{}, {0x1p40, 0x1p40, 0x1p40}};
     QueryCache cache;
-    static_cast<void>(distance({a, far}, {b, far}, {.cache = &cache}));
-    ASSERT_EQ(distance({a}, {b}, {.cache = &cache}).upper, distance({a}, {b}).upper) << i;
+    const QueryBudget records{.max_steps = 1 << 20};  // with a budget, a front is used whatever it saves
+    static_cast<void>(distance({a, far}, {b, far}, {.cache = &cache, .budget = records}));
+    ASSERT_EQ(distance({a}, {b}, {.cache = &cache, .budget = records}).upper, distance({a}, {b}).upper) << i;
   }
 }
 
@@ -130,8 +136,9 @@ TEST(Front, CoversTheRoundingOfThePlaceAfter) {
     const Transform far{{}, {0x1p40, 0x1p40, 0x1p40}};
     ASSERT_TRUE(collide({a, far}, {b, far}).is_yes()) << i;
     QueryCache cache;
-    ASSERT_GT(distance({a}, {b}, {.cache = &cache}).lower, 0x1p-14) << i;
-    ASSERT_TRUE(collide({a, far}, {b, far}, {.cache = &cache}).is_yes()) << i;
+    const QueryBudget records{.max_steps = 1 << 20};  // with a budget, a front is used whatever it saves
+    ASSERT_GT(distance({a}, {b}, {.cache = &cache, .budget = records}).lower, 0x1p-14) << i;
+    ASSERT_TRUE(collide({a, far}, {b, far}, {.cache = &cache, .budget = records}).is_yes()) << i;
   }
 }
 
@@ -272,6 +279,57 @@ TEST(Front, CostsNoTestsWherePosesHaveNothingInCommon) {
       EXPECT_LE(static_cast<double>(warm), 1.05 * static_cast<double>(cold)) << height << ", " << kind;
     }
   }
+}
+
+TEST(Front, IsRecordedWherePosesHaveMuchInCommon) {
+  // To record costs a part of a query, and the first time it makes much memory present.
+  const Model sheet(scenes::wave_sheet(60, 60, 0)), ball(scenes::thesis_ball());
+  Rng rng(305);
+  QueryCache cache;
+  const auto records_after = [&](const Transform& pose) {
+    static_cast<void>(distance({sheet}, {ball, pose}, {.cache = &cache}));
+    return Access::impl(cache).front.records().size();
+  };
+  for (int i = 0; i < 40; ++i) {
+    const Vec3 at{rng.uniform(0, 4), rng.uniform(0, 4), rng.uniform(1.5, 3)};
+    ASSERT_EQ(records_after({random_pose(rng, 1).rotation, at}), 0U) << i;
+  }
+  const auto near = [](int i) { return Transform{{}, {2, 2 + 0.01 * i, 1.5}}; };
+  EXPECT_EQ(records_after(near(0)), 0U);
+  for (int i = 1; i < 4; ++i) EXPECT_GT(records_after(near(i)), 0U) << i;
+  // What has paid is begun after a jump, too.
+  EXPECT_GT(records_after({{}, {1, 0.5, 3}}), 0U);
+}
+
+TEST(Front, IsRecordedForSmallModelsToo) {
+  // A query takes few steps here. The first one cannot use a bound, so it does not count against bounds.
+  const Model ground(scenes::grid(12, 12, -3, -3, 0.5, 0.5)), ball(scenes::ball(12, 8));
+  QueryCache cache;
+  for (const double height : {1.3, 1.299}) {
+    static_cast<void>(distance({ground}, {ball, {{}, {0.1, 0.2, height}}}, {.relative_error = 0.1, .cache = &cache}));
+  }
+  EXPECT_FALSE(Access::impl(cache).front.records().empty());
+  // Beside the last answer a traversal is short, which is no reason to think less of what caches save.
+  QueryCache::Impl judged;
+  judged.judge_new_front(8), judged.judge_new_front(5);
+  EXPECT_EQ(judged.work_of_new, 8);
+  judged.judge_new_front(9);
+  EXPECT_EQ(judged.work_of_new, 9);
+}
+
+[[gnu::noinline]] std::size_t count_of(const unsigned char* bytes, std::size_t size, unsigned char value) {
+  return static_cast<std::size_t>(std::count(bytes, bytes + size, value));
+}
+
+TEST(Front, LeavesMostOfItsMemoryUntouchedUntilItIsRecorded) {
+  // By way of functions that no compiler looks into: what was in memory before an object is there is nobody's business.
+  void* (*volatile fill)(void*, int, std::size_t) = std::memset;
+  std::size_t (*volatile count)(const unsigned char*, std::size_t, unsigned char) = count_of;
+  const auto memory = std::make_unique<unsigned char[]>(sizeof(QueryCache::Impl));
+  fill(memory.get(), 0xA5, sizeof(QueryCache::Impl));
+  QueryCache::Impl* const cache = new (memory.get()) QueryCache::Impl();
+  EXPECT_LT(sizeof(QueryCache::Impl) - count(memory.get(), sizeof(QueryCache::Impl), 0xA5), 1024U);
+  cache->~Impl();
 }
 
 TEST(Front, IsOfUseAgainSoonAfterAJumpOrMany) {

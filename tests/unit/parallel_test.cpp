@@ -4,9 +4,11 @@
 // Queries for pairs and about motions on several threads: the bits, order and work of one thread.
 #include <gtest/gtest.h>
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "scenes/scenes.h"
 #include "support/keys.h"
 #include "support/random_scene.h"
@@ -84,6 +87,31 @@ std::size_t check_self(const Model& model, double margin) {
                               [&](auto visit, auto& o) { return visit_self_contacts(model, margin, visit, o); }) +
          check_elements(
              [&](auto face, auto edge, auto& o) { return visit_self_element_pairs(model, margin, face, edge, o); });
+}
+
+TEST(ParallelForWith, MakesAStateForEachThreadWhichTakesTheNextThatIsLeft) {
+  const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism, 4);
+  for (const int threads : {1, 4}) {
+    constexpr std::size_t count = 40;
+    std::vector<std::atomic<int>> calls(count);
+    std::atomic<std::size_t> states = 0, done = 0;
+    const auto body = [&](std::size_t&, std::size_t i) {
+      ++calls[i];
+      // A long one: it ends once all others are done, which are left to other threads.
+      const auto late = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+      while (i == 0 && threads > 1 && done < count - 1 && std::chrono::steady_clock::now() < late) {
+        std::this_thread::yield();
+      }
+      EXPECT_TRUE(i > 0 || threads == 1 || done == count - 1);
+      ++done;
+    };
+    oneapi::tbb::task_arena(threads).execute([&] {
+      base::parallel_for_with(
+          count, [&] { return ++states; }, body);
+    });
+    for (const std::atomic<int>& of_i : calls) EXPECT_EQ(of_i, 1);
+    EXPECT_TRUE(states >= 1 && states <= static_cast<std::size_t>(threads));
+  }
 }
 
 TEST(ParallelPairs, OfLargeModelsAreThoseOfOneThread) {

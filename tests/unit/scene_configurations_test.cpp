@@ -7,6 +7,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -155,18 +156,29 @@ TEST(SceneConfigurationsTest, AskOnePairAfterTheOtherUntilOneIsWithinTheDistance
 
 TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
   Rng rng(8303);
-  const std::array<Plan, 6> plans{Plan(rng, 12, 12, 50, 4), Plan(rng, 12, 5, 50, 4),  Plan(rng, 2, 2, 40, 3),
-                                  Plan(rng, 1, 1, 3, 3),    Plan(rng, 60, 20, 20, 9), Plan(rng, 120, 7, 20, 5)};
+  std::array<Plan, 9> plans{Plan(rng, 12, 12, 50, 4),  Plan(rng, 12, 5, 50, 4),    Plan(rng, 2, 2, 40, 3),
+                            Plan(rng, 1, 1, 3, 3),     Plan(rng, 60, 20, 20, 9),   Plan(rng, 120, 7, 20, 5),
+                            Plan(rng, 120, 7, 60, 12), Plan(rng, 300, 12, 30, 16), Plan(rng, 50, 1, 60, 12)};
+  for (std::size_t i = 6; i < 8; ++i) {  // one is so far away that most others are in a few cells of the Hilbert order
+    plans[i].scene.set_pose(plans[i].scene.id_bound() - 1, {{}, {2000, -2000, 2000}});
+    plans[i].scene.commit();
+  }
   for (const Plan& plan : plans) {
-    ObjectPairMatrix counts(plan.scene.id_bound());
-    for (ObjectId b = 0; b < counts.size(); ++b) {
-      for (ObjectId a = 0; a < b; ++a) counts.set(a, b, rng.below(2) == 0);
-    }
-    for (const bool has_filter : {false, true}) {
+    const auto moves = [&](ObjectId id) { return std::find(plan.ids.begin(), plan.ids.end(), id) != plan.ids.end(); };
+    enum class Filter { none, random, of_moving, of_moving_and_few };
+    for (const Filter kind : {Filter::none, Filter::random, Filter::of_moving, Filter::of_moving_and_few}) {
+      ObjectPairMatrix counts(plan.scene.id_bound(), false);
+      for (ObjectId b = 0; b < counts.size(); ++b) {
+        for (ObjectId a = 0; a < b; ++a) {
+          const bool is_likely = kind == Filter::random || moves(a) || moves(b);
+          const bool is_possible = is_likely || kind == Filter::of_moving_and_few;
+          if (is_possible && rng.below(is_likely ? 2 : 100) == 0) counts.set(a, b, true);
+        }
+      }
       SceneDistanceOptions how;
-      if (has_filter) how.distance = {.relative_error = 0.1, .max_distance = 1.5};
+      if (kind == Filter::random) how.distance = {.relative_error = 0.1, .max_distance = 1.5};
       SceneQueryOptions which;
-      if (has_filter) how.filter = which.filter = counts;
+      if (kind != Filter::none) how.filter = which.filter = counts;
       std::vector<ClosestObjectsResult> expected(plan.count), closest(plan.count);
       std::vector<AnyWithinResult> expected_any(plan.count), any(plan.count);
       Plan moved(rng, 0, 0, 0, 1);
@@ -196,6 +208,40 @@ TEST(SceneConfigurationsTest, AnswerAsTheSceneWouldOnAnyNumberOfThreads) {
       }
       EXPECT_TRUE(plan.scene.is_committed());
     }
+  }
+}
+
+TEST(SceneConfigurationsTest, DoNotPayForPairsOfObjectsThatStay) {
+  Rng rng(8311);
+  const Plan plan(rng, 400, 2, 30, 12);
+  for (const bool neighbors_count : {false, true}) {
+    std::size_t calls = 0;
+    const auto filter = [&](ObjectId a, ObjectId b) {
+      ++calls;
+      return a == plan.ids[0] || a == plan.ids[1] || b == plan.ids[1] || (neighbors_count && b == 399);
+    };
+    std::vector<ClosestObjectsResult> closest(plan.count);
+    plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.filter = filter});
+    // For those two with all others, and for few of the others; or for all 79 401, as the last object counts with each,
+    // after at most all neighbors.
+    EXPECT_LT(calls, neighbors_count ? 79'900U : 4'000U);
+    EXPECT_GT(calls, neighbors_count ? 79'400U : 700U);
+  }
+}
+
+TEST(SceneConfigurationsTest, MayHaveMorePairsThanCanWait) {
+  Rng rng(8312);
+  const Plan plan(rng, 4000, 1, 12, 50);
+  limber::Scene scene;
+  for (ObjectId id = 0; id < 4000; ++id) static_cast<void>(scene.add(plan.scene.object(id == 3 ? 4 : id)));
+  scene.remove(3);  // as the other scene has
+  const auto filter = [](ObjectId a, ObjectId b) { return a == 0 && b % 2 == 1; };
+  std::vector<ClosestObjectsResult> closest(plan.count);
+  plan.scene.closest_objects_many(plan.ids, plan.poses, closest, {.filter = filter});
+  for (std::size_t k = 0; k < plan.count; ++k) {
+    scene.set_poses(plan.ids, plan.poses_of(k));
+    scene.commit();
+    ASSERT_EQ(key_of(closest[k]), key_of(scene.closest_objects({.filter = filter}))) << k;
   }
 }
 
