@@ -113,7 +113,7 @@ LIMBER_KERNEL unsigned near_boxes(const Region<times>& region, const Boxes (&box
   return found;
 }
 
-/// The triangles of two leaves that are near each other, of those in `faces`: a byte for each of a, a bit for each of b.
+/// The triangles of two leaves that are near, of those in `faces`: a byte for each of a, with a bit for each of b.
 template <std::uint32_t times>
 LIMBER_KERNEL std::uint64_t near_faces(const Boxes (&faces_a)[times], const Boxes (&faces_b)[times], Packet limit_sq,
                                        std::uint64_t faces) {
