@@ -16,7 +16,7 @@ namespace limber::scene {
 /// The objects of a scene that stay where they are in many configurations: what is found out about them once, and then
 /// read by all threads. The scene is committed, and stays as it is.
 struct StillObjects {
-  StillObjects(const Scene::Impl& scene, std::span<const ObjectId> ids_of_moving);
+  StillObjects(const Scene::Impl& all, std::span<const ObjectId> ids_of_moving);
 
   bool moves(ObjectId id) const { return slots[id] != no_id; }
 
