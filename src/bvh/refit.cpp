@@ -64,6 +64,28 @@ Volume volume_of_slot(const Node& node, std::uint32_t k) {
   return {local_slot_center(node, k), half, n.radius[k], normal, n.low[k], n.high[k]};
 }
 
+/// The radius of the root slot: that of a sphere about the center of `whole` around the slots of the top node's
+/// children, or that of `whole` if it is smaller. `whole`, which is fitted to the top node's own slots, has a radius a
+/// quarter too large on a model that is a ball. That matters because many queries end at the root slots of two models.
+double root_radius(const Tree& tree, const Node& top, const Volume& whole) {
+  double radius = 0;
+  for (std::uint32_t k = 0; k < top.child_count; ++k) {
+    const Node& child = tree.nodes[top.first_child + k];
+    const Vec3 shift = (child.origin - top.origin) * (1 / tree.unit) - whole.center;
+    for (std::uint32_t j = 0; j < child.child_count; ++j) {
+      const Reach reach = reach_of(child.bounds, j, local_slot_center(child, j) + shift);
+      // squares_up, 1 + 2^-20: stored normals have length 1 up to 4.5 * 2^-24 only, and heights are off by as much.
+      radius = std::max(radius, std::min(reach.by_sphere, reach.by_slab * double{base::squares_up}));
+    }
+  }
+  // Two kinds of rounding in float64. That of `radius` is in proportion to it: a factor. That of `shift` and of the
+  // centers is in proportion to their lengths. These are at most that of whole.center plus the distances of origins,
+  // which are at most 64 radii (tolerated_origin_distance) on each of up to 10 levels. A radius is at most sqrt(3)
+  // halves: 10 * 64 * sqrt(3) < 1109 halves altogether. `outward` has room for 2^13 = 8192 roundings.
+  const double rounding = (base::outward - 1) * (max_abs(whole.center) + max_abs(whole.half));
+  return std::min(whole.radius, radius * base::outward + rounding);
+}
+
 /// Stores a volume, which is relative to `origin`, in a slot of a node, rounded outward.
 void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& volume, double per_unit) {
   const Vec3 offset = (origin - node.origin) * per_unit;
@@ -126,8 +148,7 @@ class Refitter {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       Node& child = tree_.nodes[node.first_child + k];
       base::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
-      const Volume volume =
-          children_are_lowest ? fit_lowest_node(child, leaves_from(child)) : merge_slots_of_children(child);
+      const Volume volume = children_are_lowest ? fit_lowest_node(child, leaves_from(child)) : merge_slots(child);
       if (k == 0) node.origin = child.origin;
       store(node, k, child.origin, volume, 1 / tree_.unit);
       mark_coincident(node, k, all_coincide(child, children_are_lowest));
@@ -157,10 +178,7 @@ class Refitter {
     } else if (!node_is_lowest) {
       set_radius(node);
     }
-    // Many queries end at the root slots of two models, so that of the top node is always as small as can be.
-    const Volume volume = node_is_lowest        ? fit_lowest_node(node, leaves_of(node))
-                          : &node == top_node() ? merge_slots_of_children(node)
-                                                : merge_slots(node);
+    const Volume volume = node_is_lowest ? fit_lowest_node(node, leaves_of(node)) : merge_slots(node);
     if (i == 0) return false;  // no slot stands for the header; where it is the lowest node, it is fitted now
     Node& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
@@ -169,11 +187,11 @@ class Refitter {
     const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0;
     const bool is_coincident = all_coincide(node, node_is_lowest);
     mark_coincident(parent, slot, is_coincident);
-    // The root slot depends on the slots of the top node's children themselves.
-    const bool counts_for_root = &parent == top_node();
+    // The radius of the root slot depends on the slots of the top node's children themselves.
+    const bool counts_for_root_radius = &parent == top_node();
     // Triangles may move by too little to change their volume, and yet begin or cease to coincide with those elsewhere.
     const bool may_change_marks = was_coincident || is_coincident;
-    return before != volume_of_slot(parent, slot) || counts_for_root || may_change_marks;
+    return before != volume_of_slot(parent, slot) || counts_for_root_radius || may_change_marks;
   }
 
   /// Prefetches what the nodes after the i-th will need: leaves, then the position of one corner of every second
@@ -209,11 +227,11 @@ class Refitter {
   std::span<Leaf> leaves_from(const Node& node) const { return std::span(tree_.leaves).subspan(node.first_child); }
   std::span<Leaf> leaves_of(const Node& node) const { return leaves_from(node).first(node.child_count); }
 
-  /// The volume around the children of a node above the lowest level; or around what is in their slots: that is
-  /// smaller, and takes eight times longer.
-  Volume merge_slots(const Node& node) const { return to_volume(kernels_.merge_bounds(node, nullptr, 0)); }
-  Volume merge_slots_of_children(const Node& node) const {
-    return to_volume(kernels_.merge_bounds(node, &tree_.nodes[node.first_child], 1 / tree_.unit));
+  /// The volume around the children of a node above the lowest level.
+  Volume merge_slots(const Node& node) const {
+    Volume volume = to_volume(kernels_.merge_bounds(node));
+    if (&node == top_node()) volume.radius = root_radius(tree_, node, volume);
+    return volume;
   }
 
   static void mark_coincident(Node& node, std::uint32_t slot, bool coincides) {

@@ -58,46 +58,9 @@ LIMBER_KERNEL Packet farthest_of(const NodePairs& p, const Packet3& d, Packet lo
   return min(sqrt(distance_sq) + p.radius, sqrt(along * along + across * across)) * Packet::set(base::squares_up);
 }
 
-/// The volumes in the slots of a node, in `copy` unless it has all children; slots without a child repeat the last one.
-LIMBER_KERNEL const bvh::ChildBounds& all_slots(const bvh::Node& node, bvh::ChildBounds& copy) {
-  if (node.child_count == width) return node.bounds;
-  float rows[sizeof(bvh::ChildBounds) / sizeof(float) / width][width];
-  std::memcpy(rows, &node.bounds, sizeof(rows));
-  for (float(&row)[width] : rows) std::fill(row + node.child_count, row + width, row[node.child_count - 1]);
-  std::memcpy(&copy, rows, sizeof(rows));
-  return copy;
-}
-
-/// How far volumes reach from a point, and the interval of their heights over it along a normal.
-struct MergedExtent {
-  Packet3 normal;
-  Span slab = empty_span(), sphere = empty_span();
-
-  /// Adds the volumes in all slots; `center` is the point, relative to their origin. `error` is at least what the point
-  /// and their centers are off by.
-  LIMBER_KERNEL void add(const bvh::ChildBounds& n, const float (&center)[3], float error) {
-    const Packet errors = Packet::set(errors_added * error), up = Packet::set(base::squares_up);
-    const ProjectedNode at_center{{center[0], center[1], center[2]}, {}, {}, {}, 0, 0, 0};
-    for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-      const NodePairs p = pair_up(n, i, at_center);
-      const Packet3 d{zero() - p.d.x, zero() - p.d.y, zero() - p.d.z};
-      const Packet cosine = dot(p.normal, normal), height = dot(normal, d);
-      const Packet3 crossed = cross(p.normal, normal);
-      const Packet sine = sqrt(dot(crossed, crossed)), cosine_abs = abs(cosine);
-      const Packet of_box = box_support(p.half, normal);
-      const Mask same_side = cosine > zero();
-      const Packet above = support(p.radius, select(same_side, p.upper, p.lower), cosine_abs, sine);
-      const Packet below = support(p.radius, select(same_side, p.lower, p.upper), cosine_abs, sine);
-      slab.add(height - min(below, of_box) * up - errors, height + min(above, of_box) * up + errors);
-      const Packet far = farthest_of(p, d, Packet::load(n.low + i), Packet::load(n.high + i)) + errors;
-      sphere.add(far, far);
-    }
-  }
-};
-
-/// The box around the slots of a node, the normal of a slab, and by how much corners are off.
-LIMBER_KERNEL BoundFrame frame_of_slots(const bvh::ChildBounds& n) {
-  BoundFrame frame;
+/// The bound around the children of a node that has all of them.
+LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
+  bvh::MergedBounds whole;
   Span box[3] = {empty_span(), empty_span(), empty_span()};
   alignas(64) float area[3][width];
   Packet largest_radius = zero();
@@ -119,40 +82,53 @@ LIMBER_KERNEL BoundFrame frame_of_slots(const bvh::ChildBounds& n) {
   }
   float extent = 0;
   for (const Span& side : box) extent = std::max({extent, std::abs(side.low()), std::abs(side.high())});
-  frame.error = extent * base::corner_error + base::smallest_corner_error;
+  const float error = extent * base::corner_error + base::smallest_corner_error;
   for (int axis = 0; axis < 3; ++axis) {
     const float low = box[axis].low(), high = box[axis].high();
-    frame.center[axis] = 0.5F * low + 0.5F * high;
-    frame.half[axis] = std::max(high - frame.center[axis], frame.center[axis] - low) + frame.error;
+    whole.center[axis] = 0.5F * low + 0.5F * high;
+    whole.half[axis] = std::max(high - whole.center[axis], whole.center[axis] - low) + error;
   }
   float sum[3];
   sum_aligned(area, sum);
-  frame.normal = slab_normal(broadcast(sum), broadcast(frame.half));
-  return frame;
-}
-
-LIMBER_KERNEL bvh::MergedBounds merge_bounds(const bvh::Node& node, const bvh::Node* children, double per_unit) {
-  bvh::ChildBounds copy;
-  const bvh::ChildBounds& slots = all_slots(node, copy);
-  const BoundFrame frame = frame_of_slots(slots);
-  MergedExtent extent{frame.normal};
-  if (children == nullptr) extent.add(slots, frame.center, frame.error);
-  for (std::uint32_t k = 0; children != nullptr && k < node.child_count; ++k) {
-    const bvh::Node& child = children[k];
-    const Vec3 shift = (child.origin - node.origin) * per_unit;
-    float center[3], size = 0;  // relative to the child
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      center[axis] = frame.center[axis] - static_cast<float>(shift[axis]);
-      size = std::max(size, std::abs(static_cast<float>(shift[axis])));
-    }
-    bvh::ChildBounds copy_of_child;
-    extent.add(all_slots(child, copy_of_child), center, frame.error + size * base::corner_error);
+  const Packet3 normal = slab_normal(broadcast(sum), broadcast(whole.half));
+  Span slab = empty_span(), sphere = empty_span();
+  const Packet errors = Packet::set(errors_added * error), up = Packet::set(base::squares_up);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const ProjectedNode center{{whole.center[0], whole.center[1], whole.center[2]}, {}, {}, {}, 0, 0, 0};
+    const NodePairs p = pair_up(n, i, center);
+    const Packet3 d{zero() - p.d.x, zero() - p.d.y, zero() - p.d.z};
+    const Packet cosine = dot(p.normal, normal), height = dot(normal, d);
+    const Packet3 crossed = cross(p.normal, normal);
+    const Packet sine = sqrt(dot(crossed, crossed)), cosine_abs = abs(cosine);
+    const Packet of_box = box_support(p.half, normal);
+    const Mask same_side = cosine > zero();
+    const Packet above = support(p.radius, select(same_side, p.upper, p.lower), cosine_abs, sine);
+    const Packet below = support(p.radius, select(same_side, p.lower, p.upper), cosine_abs, sine);
+    slab.add(height - min(below, of_box) * up - errors, height + min(above, of_box) * up + errors);
+    const Packet far = farthest_of(p, d, Packet::load(n.low + i), Packet::load(n.high + i)) + errors;
+    sphere.add(far, far);
   }
-  bvh::MergedBounds whole = bound_of(frame, {extent.sphere.most, extent.slab.least, extent.slab.most});
+  alignas(64) float stored[3][width];
+  store3(normal, stored, 0);
+  for (int axis = 0; axis < 3; ++axis) whole.normal[axis] = stored[axis][0];
+  whole.low = slab.low(), whole.high = slab.high();
   const float* const half = whole.half;
   const float diagonal = std::sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]) * base::squares_up;
-  whole.radius = std::min(whole.radius, diagonal);
+  whole.radius = std::min(sphere.high(), diagonal);
   return whole;
+}
+
+LIMBER_KERNEL bvh::MergedBounds merge_bounds(const bvh::Node& node) {
+  if (node.child_count == width) return merge_all(node.bounds);
+  float rows[sizeof(bvh::ChildBounds) / sizeof(float) / width][width];
+  std::memcpy(rows, &node.bounds, sizeof(rows));
+  for (float(&row)[width] : rows) {
+    for (std::uint32_t k = node.child_count; k < width; ++k)
+      row[k] = row[node.child_count - 1];  // repeats the last child
+  }
+  bvh::ChildBounds repeated;
+  std::memcpy(&repeated, rows, sizeof(rows));
+  return merge_all(repeated);
 }
 
 // Kernels::extend_box.

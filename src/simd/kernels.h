@@ -238,10 +238,8 @@ using FindCrossedTriangles = unsigned (*)(const bvh::Node& node, std::uint32_t s
 using FitLeaves = bvh::MergedBounds (*)(const Vec3* positions, double unit, bvh::Node& node,
                                         std::span<bvh::Leaf> leaves);
 
-/// A bounding volume around the children of a node. Where these are nodes themselves, `children` may point to the first
-/// of them, or be nullptr. With them, radius and slab are fitted to what is in their slots, which leaves less room than
-/// the slots of `node`, and takes as many times longer as there are children. Then `per_unit` is 1 / Tree::unit.
-using MergeBounds = bvh::MergedBounds (*)(const bvh::Node& node, const bvh::Node* children, double per_unit);
+/// A bounding volume around the children of a node.
+using MergeBounds = bvh::MergedBounds (*)(const bvh::Node& node);
 
 struct Displacement {
   double farthest_sq;  ///< the longest displacement of a point, squared; 0 if not is_bounded

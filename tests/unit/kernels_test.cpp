@@ -284,7 +284,7 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
       ASSERT_EQ(a.radius, b.radius) << set.name;
       ASSERT_TRUE(is_same_to_the_bit(first_whole, other_whole)) << set.name << " " << i;
       ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(bvh::Leaf)), 0);
-      const bvh::MergedBounds around = simd::scalar_kernels.merge_bounds(a, nullptr, 0), other_around = set.merge_bounds(b, nullptr, 0);
+      const bvh::MergedBounds around = simd::scalar_kernels.merge_bounds(a), other_around = set.merge_bounds(b);
       ASSERT_TRUE(is_same_to_the_bit(around, other_around)) << set.name << " " << i;
     }
   }
