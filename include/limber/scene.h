@@ -30,7 +30,7 @@ struct ObjectPair {
 using ObjectPairVisitor = FunctionRef<bool(const ObjectPair&)>;
 
 /// Which pairs count: called for pairs whose bounds are close, with a < b, by the thread that asks, now and then twice.
-/// The functions for many configurations call it once or twice for two objects, close or not.
+/// The functions for many configurations call it a few times at most for two objects, close or not.
 using ObjectPairFilter = FunctionRef<bool(ObjectId a, ObjectId b)>;
 
 /// Which pairs of objects count, as a symmetric matrix of bits: an ObjectPairFilter. Robots call it the allowed

@@ -47,6 +47,12 @@ inline constexpr float edge_plane_error = 0x1p-20F;
 /// 1 or less.
 inline constexpr float leaf_pair_error = 0x1p-17F;
 
+/// What float32 changes a coefficient of the cross product of two edges by, seen along an axis, where coordinates
+/// relative to the center of a moving leaf are e < 2. A corner is off by 4 u32 e, one of the second leaf by 2 u32 more,
+/// where the offset is added; an edge by 10 u32 e + 4 u32, and its coordinates are at most 2 e. That changes two
+/// products by 2 * 2 * 2 e (10 u32 e + 4 u32) <= 384 u32. They, their difference and a mean of two round by 96 u32.
+inline constexpr float moving_turn_error = 0x1p-15F;
+
 /// Relative rounding of a number to float32: u32, with room.
 inline constexpr double storage_error = 0x1p-22;
 /// Added to errors in units, so that none is 0.

@@ -178,6 +178,19 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
   for (std::uint32_t time = 0; time < times; ++time) {
     find_boxes(a[time], faces_a[time]), find_boxes(b[time], faces_b[time]);
   }
+  const bvh::Leaf *const leaf_a = self != nullptr ? &self->a : nullptr, *const leaf_b =
+                                                                            self != nullptr ? &self->b : nullptr;
+  const LeafVertices vertices_a(leaf_a), vertices_b(leaf_b);
+  // A byte for each triangle of a, with a bit for each of b with which it may have close elements.
+  std::uint64_t faces = row_of(owned_b, 6) * in_each_byte & transpose(row_of(owned_a, 6) * in_each_byte);
+  if (is_same_leaf) faces &= bvh::each_pair_once;
+  if constexpr (times > 1) {
+    faces = near_faces(faces_a, faces_b, limit_sq, faces);
+    if (faces == 0) return;
+    const bool have_neighbors = self != nullptr && limit <= base::leaf_pair_error;
+    faces = may_meet(a, vertices_a, b, vertices_b, have_neighbors, limit_sq, faces);
+    if (faces == 0) return;
+  }
   LeafEdges<times> edges_a, edges_b;
   edges_a.set(a);
   std::uint32_t near_a = all_edges, near_b = all_edges;
@@ -187,18 +200,7 @@ LIMBER_KERNEL void find_elements(const LeafCorners (&a)[times], const LeafCorner
     // With edges of one leaf alone: a vertex may be near a face and far from the boxes of its edges.
     if ((near_a | near_b) == 0) return;
   }
-
-  const bvh::Leaf *const leaf_a = self != nullptr ? &self->a : nullptr, *const leaf_b =
-                                                                            self != nullptr ? &self->b : nullptr;
-  const LeafVertices vertices_a(leaf_a), vertices_b(leaf_b);
-  // A byte for each triangle of a, with a bit for each of b with which it may have close elements.
-  std::uint64_t faces = row_of(owned_b, 6) * in_each_byte & transpose(row_of(owned_a, 6) * in_each_byte);
-  if (is_same_leaf) faces &= bvh::each_pair_once;
   if constexpr (times > 1) {
-    const bool have_neighbors = self != nullptr && limit <= base::leaf_pair_error;
-    faces =
-        may_meet(a, vertices_a, b, vertices_b, have_neighbors, limit_sq, near_faces(faces_a, faces_b, limit_sq, faces));
-    if (faces == 0) return;
     near_a &= in_rows_with_bits(is_same_leaf ? faces | transpose(faces) : faces);
     near_b &= in_rows_with_bits(is_same_leaf ? faces | transpose(faces) : transpose(faces));
   }

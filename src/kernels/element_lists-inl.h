@@ -67,21 +67,6 @@ LIMBER_KERNEL Packet3 repeated(const LeafCorners& c, std::uint32_t corner, std::
           Packet::set(c.v[3 * corner + 2][slot])};
 }
 
-/// The vectors `i` and following: v[axis][number].
-template <std::size_t room>
-LIMBER_KERNEL Packet3 row3(const float (&v)[3][room], std::uint32_t i) {
-  return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
-}
-template <std::size_t room>
-LIMBER_KERNEL void store_row3(const Packet3& p, float (&v)[3][room], std::uint32_t i) {
-  p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
-}
-/// The vector `i` in every lane.
-template <std::size_t room>
-LIMBER_KERNEL Packet3 repeated(const float (&v)[3][room], std::uint32_t i) {
-  return {Packet::set(v[0][i]), Packet::set(v[1][i]), Packet::set(v[2][i])};
-}
-
 /// A box in every lane, at each of some times.
 template <std::uint32_t times>
 struct Region {
@@ -95,14 +80,14 @@ struct Region {
 template <std::uint32_t times, typename Boxes>
 LIMBER_KERNEL Mask near_mask(const Region<times>& region, const Boxes (&boxes)[times], std::uint32_t i,
                              Packet limit_sq) {
-  Packet3 above = row3(boxes[0].low, i) - region.high[0], below = region.low[0] - row3(boxes[0].high, i);
+  Packet3 above = load3(boxes[0].low, i) - region.high[0], below = region.low[0] - load3(boxes[0].high, i);
   for (std::uint32_t time = 1; time < times; ++time) {
-    above = min3(above, row3(boxes[time].low, i) - region.high[time]);
-    below = min3(below, region.low[time] - row3(boxes[time].high, i));
+    above = min3(above, load3(boxes[time].low, i) - region.high[time]);
+    below = min3(below, region.low[time] - load3(boxes[time].high, i));
   }
   return length_of_gaps_sq(max3(above, below)) < limit_sq;
 }
-/// The same of eight boxes from `first` on: a bit for each.
+/// Which of eight boxes, from `first` on, are near a region: a bit for each.
 template <std::uint32_t times, typename Boxes>
 LIMBER_KERNEL unsigned near_boxes(const Region<times>& region, const Boxes (&boxes)[times], std::uint32_t first,
                                   Packet limit_sq) {
@@ -134,9 +119,9 @@ LIMBER_KERNEL Region<times> box_around(const Boxes (&faces)[times]) {
   Region<times> box;
   const Packet3 none{zero(), zero(), zero()};
   for (std::uint32_t time = 0; time < times; ++time) {
-    Packet3 low = row3(faces[time].low, 0), high = row3(faces[time].high, 0);
+    Packet3 low = load3(faces[time].low, 0), high = load3(faces[time].high, 0);
     for (std::uint32_t i = Packet::lanes; i < width; i += Packet::lanes) {
-      low = min3(low, row3(faces[time].low, i)), high = max3(high, row3(faces[time].high, i));
+      low = min3(low, load3(faces[time].low, i)), high = max3(high, load3(faces[time].high, i));
     }
     const Packet3 back = none - low;
     box.low[time] = none - Packet3{largest_in_all(back.x), largest_in_all(back.y), largest_in_all(back.z)};
@@ -214,11 +199,11 @@ struct LeafEdges {
       for (std::uint32_t edge = 0; edge < 3 * width; edge += Packet::lanes) {
         const auto corner = static_cast<int>(edge / width);
         const Packet3 p = corners(c[time], corner, edge % width), q = corners(c[time], (corner + 1) % 3, edge % width);
-        store_row3(min3(p, q), boxes[time].low, edge), store_row3(max3(p, q), boxes[time].high, edge);
+        store3(min3(p, q), boxes[time].low, edge), store3(max3(p, q), boxes[time].high, edge);
       }
     }
   }
-  /// Those that are near a region: a bit for each.
+  /// The edges that are near a region: a bit for each.
   LIMBER_KERNEL std::uint32_t near(const Region<times>& region, Packet limit_sq) const {
     std::uint32_t found = 0;
     for (std::uint32_t i = 0; i < 3 * width; i += width) found |= near_boxes(region, boxes, i, limit_sq) << i;

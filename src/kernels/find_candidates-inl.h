@@ -150,8 +150,9 @@ LIMBER_KERNEL void find_boxes(const LeafCorners& c, Boxes& boxes) {
   }
 }
 
-/// The point of one slot, in every lane.
-LIMBER_KERNEL Packet3 repeated(const float (&v)[3][width], std::uint32_t slot) {
+/// The vector of one slot, in every lane.
+template <std::size_t slots>
+LIMBER_KERNEL Packet3 repeated(const float (&v)[3][slots], std::uint32_t slot) {
   return {Packet::set(v[0][slot]), Packet::set(v[1][slot]), Packet::set(v[2][slot])};
 }
 

@@ -32,17 +32,11 @@ LIMBER_BEFORE_KERNELS;
 namespace limber::simd::LIMBER_TARGET {
 namespace {
 
-// What all of float32 changes a coefficient of the cross product of two edges in a plane by. Let u be 2^-24 and e the
-// largest coordinate of a corner relative to the center of its leaf, less than 2. A corner is off by 4 u e, one of the
-// second leaf by 2 u more, where the offset is added; an edge by 10 u e + 4 u, and it is at most 2 e long. That changes
-// two products by 2 * 2 * 2 e (10 u e + 4 u) <= 384 u. They, their difference and a mean of two are rounded by 96 u.
-inline constexpr float moving_turn_error = 0x1p-15F;
-
 /// Bounds of numbers that change with time.
 struct Bounds {
   Packet low, high;
 
-  /// Those of two numbers.
+  /// Bounds of either of two numbers.
   friend LIMBER_KERNEL Bounds around(const Bounds& p, const Bounds& q) {
     return {min(p.low, q.low), max(p.high, q.high)};
   }
@@ -77,7 +71,7 @@ LIMBER_KERNEL Mask separated_across(const Sector (&a)[2], const Sector (&b)[2], 
 /// separated_by_line() has them.
 LIMBER_KERNEL unsigned not_separated(const SharedCorners& shared, const Sector (&a)[2], const Sector (&b)[2],
                                      unsigned wanted) {
-  const Packet error = Packet::set(moving_turn_error);
+  const Packet error = Packet::set(base::moving_turn_error);
   const Bounds turn_a = turn(a, 0, a, 1), t01 = turn(a, 0, b, 1);
   const Mask a_turns_mask = max(turn_a.low, zero() - turn_a.high) > error, a_turns_right_mask = turn_a.high < zero();
   const Mask two_mask = a_turns_mask & (select(a_turns_right_mask, t01.low, zero() - t01.high) > error);
@@ -136,9 +130,9 @@ LIMBER_KERNEL unsigned not_apart(const LeafCorners (&a)[times], const Slots& in_
   return left;
 }
 
-/// Of some pairs of triangles, those that may have more in common than what they share: bit width * i + k is slot i of
-/// the first leaf and slot k of the second. With `have_neighbors` both leaves are of one mesh and the limit is 0, but
-/// for rounding.
+/// Returns the pairs of triangles, of those in `near`, that may have more in common than what they share: bit
+/// width * i + k is slot i of the first leaf and slot k of the second. With `have_neighbors` both leaves are of one mesh
+/// and the limit is 0, but for rounding.
 template <std::uint32_t times>
 LIMBER_KERNEL std::uint64_t may_meet(const LeafCorners (&a)[times], const LeafVertices& vertices_a,
                                      const LeafCorners (&b)[times], const LeafVertices& vertices_b,
@@ -151,7 +145,9 @@ LIMBER_KERNEL std::uint64_t may_meet(const LeafCorners (&a)[times], const LeafVe
   for (std::uint32_t i = 0; i < pairs.count; i += Packet::lanes) {
     const Slots in_a = Slots::first_of(pairs.pair + i), in_b = Slots::second_of(pairs.pair + i);
     unsigned others = pairs.lanes_at(i), left = 0;
-    if constexpr (times == 2) {  // at any pace a corner is not where it is at the same time
+    // With four places of each corner, vertices move at paces of their own, and a line that moves with an edge proves
+    // nothing.
+    if constexpr (times == 2) {
       if (have_neighbors) {
         const SharedCorners shared = shared_corners(vertices_a, in_a, vertices_b, in_b);
         left = others & (shared.one_lanes | shared.two_lanes);

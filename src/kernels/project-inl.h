@@ -164,15 +164,15 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const SlotRef& o
   return p;
 }
 
-/// How far a volume reaches along a direction, at most; and less half of what it reaches at least: box and slab touch
-/// what they bound, so that reaches as far as the lowest point of the volume on one of their faces. The latter is large
-/// where opening the node may gain much. It need not be exact.
+/// How far the content of a volume reaches along a direction.
 struct Support {
-  float upper, extent;
+  float upper;   // an upper bound: the support of the volume
+  float extent;  // `upper`, less half of a lower bound: large where opening the node may gain much; need not be exact
 };
 
 /// The support of a slot along a direction of its own frame, from its center, in its own units: of the quantized
-/// corners of a leaf; otherwise of the sphere cut by the slab, or of the box (docs/algorithms/bounds.md).
+/// corners of a leaf; otherwise of the sphere cut by the slab, or of the box (docs/algorithms/bounds.md). Box and slab
+/// touch their content. So it reaches at least as far as the lowest point of the volume on one of their faces does.
 LIMBER_KERNEL Support support(const SlotRef& other, const float* direction) {
   const bvh::ChildBounds& n = other.node->bounds;
   const std::uint32_t k = other.slot;

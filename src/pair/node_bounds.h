@@ -102,16 +102,16 @@ class NodeBounds {
     }
   }
 
-  /// The pair of roots.
+  /// The pair of roots, which knows the thicker one.
   NodePair roots(float bound_sq) const {
     NodePair pair = NodePair::of(bvh::root_slot, bvh::root_slot, bound_sq);
     pair.is_a_larger = is_a_thicker(pair);
     return pair;
   }
 
-  /// Opens the node of higher split priority, if it can be opened. If it is a leaf, the thicker of both counts as that
-  /// node; and if the bound of the pair is small next to its priority, its triangles, one by one, tell more than the
-  /// children of the other node do, so they are looked at first. If they prune the pair, `apart` is what they tell.
+  /// Opens the node of higher split priority. Of a leaf and a node it opens the node. If then the leaf is the thicker
+  /// one, and the bound of the pair is small next to its priority, its triangles, one by one, tell more than the
+  /// children of the node do, so they are looked at first. If they prune the pair, `apart` is what they tell.
   /// Pre: are_leaves() is false.
   ///
   /// With `raises`, a better bound by those triangles becomes that of the pair.
@@ -121,7 +121,7 @@ class NodeBounds {
     // Bitwise: branches here would be mispredicted.
     const bool is_leaf_a = is_leaf(Side::a, pair), is_leaf_b = is_leaf(Side::b, pair);
     bool is_a_first = pair.is_a_larger;
-    if (!knows_larger || is_leaf_a || is_leaf_b) is_a_first = is_a_thicker(pair);
+    if (!knows_larger() || is_leaf_a || is_leaf_b) is_a_first = is_a_thicker(pair);
     const bool is_a = (static_cast<int>(is_a_first) | static_cast<int>(is_leaf_b)) > static_cast<int>(is_leaf_a);
     const Side side = is_a ? Side::a : Side::b;
     Next next = Next::opened;
@@ -145,26 +145,29 @@ class NodeBounds {
     // Local variables, because GCC would combine the masks in memory.
     const unsigned all = kept.all & e.children, overlapping = kept.overlapping & e.children;
     e.kept.all = all, e.kept.overlapping = overlapping;
-    if constexpr (knows_larger) e.kept.larger = kept.larger ^ (e.side == Side::a ? 0U : ~0U);
+    if constexpr (finds_closest) e.kept.larger = kept.larger ^ (e.side == Side::a ? 0U : ~0U);
   }
 
   /// A child that was kept, with the other node.
   NodePair child_pair(const Expansion& e, std::uint32_t child) const {
     NodePair pair = e.child_pair(child, limits_.bound_of_child(e.side, e.order[child], e.pair.bound_sq));
-    if constexpr (knows_larger) pair.is_a_larger = (e.kept.larger >> child & 1) != 0;
+    if constexpr (finds_closest) pair.is_a_larger = (e.kept.larger >> child & 1) != 0;
     return pair;
   }
 
  private:
   // Where every pair is needed, triangles that coincide are pairs of their own.
   static constexpr bool tells_coincident_apart = Collector::hits == Hits::all || Collector::hits == Hits::k_closest;
-  // Whether pairs know which of their nodes has the higher split priority. Where only contacts matter, kernels do not
-  // compute it, and the thicker one is opened first.
-  static constexpr bool knows_larger = Collector::hits == Hits::closest || Collector::hits == Hits::k_closest;
+  static constexpr bool finds_closest = Collector::hits == Hits::closest || Collector::hits == Hits::k_closest;
   // A bound below that many times the priority of a leaf is loose. With 1, distances in a room and a maze take twice as
   // long; without a limit, those of a ball far over a square take 1.17 times as long.
   static constexpr double loose_priorities = 2;
 
+  /// Whether pairs know which of their nodes has the higher split priority. Only collectors of closest pairs have a
+  /// search direction, on which it depends; and kernels do not compute it where only contacts matter.
+  [[gnu::always_inline]] bool knows_larger() const {
+    return finds_closest && search_.pruning.distance() > simd::smallest_prune_distance;
+  }
   /// The split priority of a slot without a search direction: half the thickness of its slab, and a little of its
   /// radius.
   double split_priority(Side s, const NodePair& pair) const {
@@ -174,7 +177,7 @@ class NodeBounds {
     const std::uint32_t k = bvh::slot_of(slot);
     return tree.unit * static_cast<double>((n.high[k] - n.low[k]) * 0.5F + simd::share_of_radius * n.radius[k]);
   }
-  /// Whether the node of a has the higher priority of this kind.
+  /// Whether split_priority() of a is at least that of b.
   [[gnu::always_inline]] bool is_a_thicker(const NodePair& pair) const {
     return split_priority(Side::a, pair) >= split_priority(Side::b, pair);
   }

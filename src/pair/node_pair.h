@@ -97,9 +97,8 @@ struct Expansion {
   NodePair child_pair(std::uint32_t child, float bound_sq) const {
     const bvh::SlotId slot = node * bvh::width + child;
     const bool of_a = side == Side::a;
-    return {bound_sq, {of_a ? slot : pair.slot[0], of_a ? pair.slot[1] : slot},
-            record,   static_cast<std::uint8_t>(has_record ? child : pair.child),
-            false,    true};
+    const auto child_of_record = static_cast<std::uint8_t>(has_record ? child : pair.child);
+    return {bound_sq, {of_a ? slot : pair.slot[0], of_a ? pair.slot[1] : slot}, record, child_of_record, false, true};
   }
 };
 

@@ -17,7 +17,7 @@ namespace limber::scene {
 /// A cube of cubic cells, numbered along a Hilbert curve. A flat scene is divided along its plane only.
 class HilbertGrid {
  public:
-  /// That of points between two corners; none if they are so close that their order does not matter.
+  /// The grid of points between two corners; none if they are so close that their order does not matter.
   static std::optional<HilbertGrid> of(const Vec3& low, const Vec3& high);
   /// Whether a point is between the corners.
   bool contains(const Vec3& p) const { return min(p, low_) == low_ && max(p, high_) == high_; }

@@ -75,7 +75,7 @@ void ask_all(const QueryBudget& budget, std::span<Result> results, const Make& m
   });
 }
 
-/// The same of ask(scene in configuration k), where each thread has a scene of its own.
+/// Sets results[k] to ask(scene in configuration k) likewise; each thread has a scene of its own.
 template <typename Result, typename Ask, typename LeftOut>
 void ask_configurations(const Scene::Impl& scene, const Configurations& all, const QueryBudget& budget,
                         std::span<Result> results, const Ask& ask, const LeftOut& left_out) {

@@ -97,10 +97,12 @@ LIMBER_KERNEL Triple<P> aligned(const Triple<P>& v, const Triple<P>& side) {
 /// The vector v in every lane.
 LIMBER_KERNEL Packet3 broadcast(const float* v) { return {Packet::set(v[0]), Packet::set(v[1]), Packet::set(v[2])}; }
 /// The vectors of the slots `i` and following: v[axis][slot].
-LIMBER_KERNEL Packet3 load3(const float (&v)[3][width], std::uint32_t i) {
+template <std::size_t slots>
+LIMBER_KERNEL Packet3 load3(const float (&v)[3][slots], std::uint32_t i) {
   return {Packet::load(v[0] + i), Packet::load(v[1] + i), Packet::load(v[2] + i)};
 }
-LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][width], std::uint32_t i) {
+template <std::size_t slots>
+LIMBER_KERNEL void store3(const Packet3& p, float (&v)[3][slots], std::uint32_t i) {
   p.x.store(v[0] + i), p.y.store(v[1] + i), p.z.store(v[2] + i);
 }
 /// As many points as a packet has numbers, of four numbers each, one after the other; the last number is not used.

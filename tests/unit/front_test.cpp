@@ -297,7 +297,7 @@ TEST(Front, IsRecordedWherePosesHaveMuchInCommon) {
   const auto near = [](int i) { return Transform{{}, {2, 2 + 0.01 * i, 1.5}}; };
   EXPECT_EQ(records_after(near(0)), 0U);
   for (int i = 1; i < 4; ++i) EXPECT_GT(records_after(near(i)), 0U) << i;
-  // What has paid is begun after a jump, too.
+  // A front is begun after a jump, too, once fronts have paid.
   EXPECT_GT(records_after({{}, {1, 0.5, 3}}), 0U);
 }
 

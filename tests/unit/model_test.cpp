@@ -49,6 +49,41 @@ TEST(Model, RefitsEveryNodeAboveAVertexOnceHoweverOftenItMoves) {
   EXPECT_LE(model.maintenance_stats().refits, refits + 4);
 }
 
+/// 64 triangles of one lowest node: most are at the corners of an octahedron, which alone decide the node's volume, and
+/// some in its middle. The last is the point in the middle itself.
+void add_octahedron(const Vec3& middle, std::vector<Triangle>& triangles) {
+  for (std::uint32_t i = 0; i < 63; ++i) {
+    Vec3 at = middle + 0.002 * Vec3{static_cast<double>(i % 4), static_cast<double>(i % 3), static_cast<double>(i % 5)};
+    if (i < 48) at[i % 3] += i % 6 < 3 ? 1 : -1;
+    triangles.push_back({at, at + Vec3{0.01, 0, 0}, at + Vec3{0, 0.01, 0}});
+  }
+  triangles.push_back({middle, middle, middle});
+}
+
+TEST(Model, HoldsWhatMovesInsideOfTheVolumeOfItsNode) {
+  // That volume stays as it is, so a refit ends there. The volumes above it have to hold what has moved nevertheless.
+  std::vector<Triangle> triangles;
+  for (int group = 0; group < 3; ++group) {
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 side{k % 2 == 0 ? -1.5 : 1.5, k / 2 % 2 == 0 ? -1.5 : 1.5, k / 4 == 0 ? -1.5 : 1.5};
+      add_octahedron(Vec3{40.0 * group, 0, 0} + side, triangles);
+    }
+  }
+  const Mesh mesh = soup(triangles);
+  for (TriangleId point = 63; point < mesh.triangles().size(); point += 64) {
+    const Vec3 from = mesh.triangle(point).v0, middle{40.0 * std::floor(from.x / 40 + 0.5), 0, 0};
+    for (int step = 0; step < 16; ++step) {
+      Model model(mesh, {.rebuild_policy = RebuildPolicy::off});
+      const Vec3 to = from + (0.26 + 0.008 * step) * (from - middle);
+      model.move_vertices(mesh.triangles()[point], std::vector<Vec3>(3, to)).value();
+      model.commit();
+      ASSERT_TRUE(model.validate()) << point << " " << step;
+      const Model probe(soup({{to, to, to}}));
+      ASSERT_TRUE(collide({model}, {probe}).is_yes()) << point << " " << step;
+    }
+  }
+}
+
 TEST(Model, KeepsUpWithTrianglesThatChangePlaces) {
   const scenes::Motion soup = scenes::shuffled_soup(4000);
   Model never_rebuilt(soup.mesh, {.rebuild_policy = RebuildPolicy::off}), no_time(soup.mesh, {.rebuild_budget_us = 0});

@@ -341,19 +341,17 @@ class ElementsWithin {
   /// The position of a vertex: in the world, or in its own frame where one model is compared with itself.
   Vec3 position(Side s, VertexId v) const { return is_self ? placed_.local_position(s, v) : placed_.position(s, v); }
 
-  /// The elements that the triangles of a leaf represent, a byte for each triangle. Triangles that fill up a leaf
-  /// represent nothing.
-  simd::OwnedElements owned(Side s, const bvh::Leaf& leaf) {
-    LeafOwned& last = last_owned_[index(s)];
-    if (last.leaf == &leaf) return last.elements;
-    std::uint64_t of_slots = 0;
-    for (std::uint32_t slot = 0; slot < bvh::width; ++slot) {
-      if (!leaf.is_in_use(slot)) break;
-      of_slots |= (simd::OwnedElements::is_in_use | Access::represented_by(*edges_[index(s)], leaf.triangle[slot]))
-                  << (8 * slot);
+  /// The elements that the triangles of a leaf represent, a byte for each. Triangles that fill it up represent nothing.
+  const simd::OwnedElements& owned(Side s, const bvh::Leaf& leaf) {
+    simd::OwnedElements& elements = owned_by_last_[index(s)];
+    if (std::exchange(last_leaf_[index(s)], &leaf) == &leaf) return elements;
+    elements.of_slots = 0;
+    for (std::uint32_t slot = 0; slot < bvh::width && leaf.is_in_use(slot); ++slot) {
+      elements.of_slots |=
+          (simd::OwnedElements::is_in_use | Access::represented_by(*edges_[index(s)], leaf.triangle[slot]))
+          << (8 * slot);
     }
-    last = {&leaf, {of_slots}};
-    return last.elements;
+    return elements;
   }
 
   void compare_vertex_face(const Element& of_vertex, const Element& of_face) {
@@ -391,11 +389,8 @@ class ElementsWithin {
   VertexFaceVisitor visit_vertex_face_;
   EdgeEdgeVisitor visit_edge_edge_;
   const simd::Kernels& kernels_;
-  struct LeafOwned {
-    const bvh::Leaf* leaf = nullptr;
-    simd::OwnedElements elements;
-  };
-  LeafOwned last_owned_[2];  // of the leaves that were compared last
+  const bvh::Leaf* last_leaf_[2] = {nullptr, nullptr};  // what owned() was asked about last, of either side
+  simd::OwnedElements owned_by_last_[2];
   bool is_stopped_ = false;
   std::uint32_t collected_ = 0;  // pairs of edges
   std::array<EdgeId, 2> collected_edges_[simd::SegmentPairs::room];
