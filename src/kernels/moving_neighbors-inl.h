@@ -131,8 +131,8 @@ LIMBER_KERNEL unsigned not_apart(const LeafCorners (&a)[times], const Slots& in_
 }
 
 /// Returns the pairs of triangles, of those in `near`, that may have more in common than what they share: bit
-/// width * i + k is slot i of the first leaf and slot k of the second. With `have_neighbors` both leaves are of one mesh
-/// and the limit is 0, but for rounding.
+/// width * i + k is slot i of the first leaf and slot k of the second. With `have_neighbors` both leaves are of one
+/// mesh, and the limit is 0, but for rounding.
 template <std::uint32_t times>
 LIMBER_KERNEL std::uint64_t may_meet(const LeafCorners (&a)[times], const LeafVertices& vertices_a,
                                      const LeafCorners (&b)[times], const LeafVertices& vertices_b,
