@@ -19,6 +19,10 @@ inline constexpr float across_error = 0x1.4p-20F;
 /// At least the square root of 2 * across_error: the error of a sine whose square is off by that.
 inline constexpr float sine_error = 0.0016F;
 
+/// Covers that the normal of a slab and the directions of its sides have length 1 and are perpendicular only up to
+/// rounding, and the rounding of sums along all three, as a part of the radius or of a squared length.
+inline constexpr float sides_error = 0x1p-16F;
+
 /// What projecting a node or a direction changes a length by, as a part of the magnitudes involved: some 20 u32.
 inline constexpr float projection_error = 0x1p-19F;
 /// What comparing a node or a leaf with a point changes a length by, as a part of the magnitudes involved: <= 10 u32.

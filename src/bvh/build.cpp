@@ -88,6 +88,7 @@ void create_nodes(Tree& tree, std::uint32_t leaves) {
   tree.nodes.reserve(count);
   tree.nodes.push_back({});
   tree.nodes[0].child_count = 1;
+  tree.nodes[0].elongated_slots = 1;
   tree.level_begin = {0, 1};
   for (const std::vector<std::uint32_t>& level : levels) {
     std::uint32_t parent = tree.level_begin[tree.level_begin.size() - 2], slot = 0;
@@ -97,6 +98,7 @@ void create_nodes(Tree& tree, std::uint32_t leaves) {
       tree.nodes.push_back({});
       tree.nodes.back().child_count = child_count(below);
       tree.nodes.back().parent = parent * width + slot;
+      tree.nodes.back().elongated_slots = used_slots(tree.nodes.back());  // until they are fitted
       if (++slot == tree.nodes[parent].child_count) slot = 0, ++parent;
     }
     tree.level_begin.push_back(static_cast<std::uint32_t>(tree.nodes.size()));

@@ -49,19 +49,47 @@ struct Volume {
   double radius;
   Vec3 normal;  // float32 numbers, as kernels give them: stored without rounding
   double low, high;
+  double turn, side_low[2], side_high[2];  // SlabSides, as lengths
+  bool is_elongated;
 
   bool operator==(const Volume&) const = default;
 };
 
+bool has_slot(std::uint32_t mask, std::uint32_t slot) { return (mask >> slot & 1) != 0; }
+void mark(std::uint32_t& mask, std::uint32_t slot, bool is_marked) {
+  mask = (mask & ~(1U << slot)) | (is_marked ? 1U << slot : 0U);
+}
+
 Vec3 vec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 Volume to_volume(const MergedBounds& b) {
-  return {vec3(b.center), vec3(b.half), b.radius, vec3(b.normal), b.low, b.high};
+  return {vec3(b.center),
+          vec3(b.half),
+          b.radius,
+          vec3(b.normal),
+          b.low,
+          b.high,
+          b.turn,
+          {b.side_low[0], b.side_low[1]},
+          {b.side_high[0], b.side_high[1]},
+          b.is_elongated != 0};
 }
 
 Volume volume_of_slot(const Node& node, std::uint32_t k) {
   const ChildBounds& n = node.bounds;
   const Vec3 half{n.half_x[k], n.half_y[k], n.half_z[k]}, normal{n.normal_x[k], n.normal_y[k], n.normal_z[k]};
-  return {local_slot_center(node, k), half, n.radius[k], normal, n.low[k], n.high[k]};
+  const double step = static_cast<double>(n.radius[k]) / double{max_side};
+  const auto side = [&](const std::int16_t(&steps)[width]) { return step * static_cast<double>(steps[k]); };
+  const SlabSides& s = node.sides;
+  return {local_slot_center(node, k),
+          half,
+          n.radius[k],
+          normal,
+          n.low[k],
+          n.high[k],
+          static_cast<double>(s.turn[k]),
+          {side(s.low[0]), side(s.low[1])},
+          {side(s.high[0]), side(s.high[1])},
+          has_slot(node.elongated_slots, k)};
 }
 
 /// The radius of the root slot: that of a sphere about the center of `whole` around the slots of the top node's
@@ -112,6 +140,19 @@ void store(Node& node, std::uint32_t slot, const Vec3& origin, const Volume& vol
   // A height is a sum of terms as large as the radius, so its rounding is relative to that. -grown(-x) rounds x down.
   const double error = volume.radius * base::storage_error;
   n.low[slot] = -grown(-(volume.low - error)), n.high[slot] = grown(volume.high + error);
+  const double per_step = double{max_side} / static_cast<double>(n.radius[slot]);
+  // Two steps outward, one of them for rounding here, the other as SlabSides promises.
+  const auto steps = [&](double x) {
+    return static_cast<std::int16_t>(
+        std::clamp(std::ceil((x + shift) * per_step) + 1, -double{max_quantized}, double{max_quantized}));
+  };
+  mark(node.elongated_slots, slot, volume.is_elongated);
+  SlabSides& sides = node.sides;
+  sides.turn[slot] = static_cast<std::int16_t>(volume.turn);
+  for (std::size_t k = 0; k < 2; ++k) {
+    sides.low[k][slot] = static_cast<std::int16_t>(-steps(-volume.side_low[k]));
+    sides.high[k][slot] = steps(volume.side_high[k]);
+  }
 }
 
 /// Sets the radius of a node: that of a sphere about its origin which contains the spheres of all its slots (invariant
@@ -148,17 +189,19 @@ class Refitter {
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       Node& child = tree_.nodes[node.first_child + k];
       base::prefetch(tree_.nodes[std::min<std::size_t>(node.first_child + k + 1, tree_.nodes.size() - 1)]);
-      const Volume volume = children_are_lowest ? fit_lowest_node(child, leaves_from(child)) : merge_slots(child);
+      const Volume volume = children_are_lowest ? fit_lowest_node(child, leaves_from(child), wants_sides(node, k))
+                                                : merge_slots(child, wants_sides(node, k));
       if (k == 0) node.origin = child.origin;
       store(node, k, child.origin, volume, 1 / tree_.unit);
-      mark_coincident(node, k, all_coincide(child, children_are_lowest));
+      mark(node.coincident_slots, k, all_coincide(child, children_are_lowest));
     }
     set_radius(node);
   }
 
   void fit_whole_tree() {
     const std::size_t lowest_level = tree_.lowest_level();
-    if (lowest_level == 0) fit_lowest_node(tree_.nodes[0], tree_.leaves);  // one leaf, below the header
+    if (lowest_level == 0)
+      fit_lowest_node(tree_.nodes[0], tree_.leaves, tree_.nodes[0].elongated_slots != 0);  // one leaf, below the header
     for (std::size_t level = lowest_level; level-- > 0;) {
       const std::uint32_t begin = tree_.level_begin[level], end = tree_.level_begin[level + 1];
       base::parallel_for(end - begin, nodes_per_task,
@@ -178,15 +221,16 @@ class Refitter {
     } else if (!node_is_lowest) {
       set_radius(node);
     }
-    const Volume volume = node_is_lowest ? fit_lowest_node(node, leaves_of(node)) : merge_slots(node);
-    if (i == 0) return false;  // no slot stands for the header; where it is the lowest node, it is fitted now
     Node& parent = tree_.nodes[node_of(node.parent)];
     const std::uint32_t slot = slot_of(node.parent);
+    const bool sides = node.elongated_slots != 0 || has_slot(parent.elongated_slots, slot);
+    const Volume volume = node_is_lowest ? fit_lowest_node(node, leaves_of(node), sides) : merge_slots(node, sides);
+    if (i == 0) return false;  // no slot stands for the header; where it is the lowest node, it is fitted now
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
     const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0;
     const bool is_coincident = all_coincide(node, node_is_lowest);
-    mark_coincident(parent, slot, is_coincident);
+    mark(parent.coincident_slots, slot, is_coincident);
     // The radius of the root slot depends on the slots of the top node's children themselves.
     const bool counts_for_root_radius = &parent == top_node();
     // Triangles may move by too little to change their volume, and yet begin or cease to coincide with those elsewhere.
@@ -220,22 +264,23 @@ class Refitter {
  private:
   /// Fits a lowest node and its leaves, which come first in `leaves`; those behind them are prefetched. Returns the
   /// volume around them all.
-  Volume fit_lowest_node(Node& node, std::span<Leaf> leaves) {
-    return to_volume(kernels_.fit_leaves(positions_, tree_.unit, node, leaves));
+  Volume fit_lowest_node(Node& node, std::span<Leaf> leaves, bool sides) {
+    return to_volume(kernels_.fit_leaves(positions_, tree_.unit, node, leaves, sides));
   }
   /// The leaves of a lowest node and of all nodes after it.
   std::span<Leaf> leaves_from(const Node& node) const { return std::span(tree_.leaves).subspan(node.first_child); }
   std::span<Leaf> leaves_of(const Node& node) const { return leaves_from(node).first(node.child_count); }
 
   /// The volume around the children of a node above the lowest level.
-  Volume merge_slots(const Node& node) const {
-    Volume volume = to_volume(kernels_.merge_bounds(node));
+  Volume merge_slots(const Node& node, bool sides) const {
+    Volume volume = to_volume(kernels_.merge_bounds(node, sides));
     if (&node == top_node()) volume.radius = root_radius(tree_, node, volume);
     return volume;
   }
 
-  static void mark_coincident(Node& node, std::uint32_t slot, bool coincides) {
-    node.coincident_slots = (node.coincident_slots & ~(1U << slot)) | (coincides ? 1U << slot : 0U);
+  /// Whether sides are fitted to a child, or to all children: where one was elongated, and in a tree that is new.
+  bool wants_sides(const Node& node, std::uint32_t k) const {
+    return has_slot(node.elongated_slots, k) || tree_.nodes[node.first_child + k].elongated_slots != 0;
   }
 
   /// Whether all triangles below a node have the same three positions, corner by corner: then the parent's slot for the
@@ -303,6 +348,7 @@ void fit(Tree& tree, MeshView mesh) {
 void fit_upper_node(Tree& tree, MeshView mesh, std::uint32_t node) {
   LIMBER_ASSERT(node < tree.first_lowest_node());
   Refitter refitter(tree, mesh);
+  tree.nodes[node].elongated_slots = used_slots(tree.nodes[node]);
   refitter.fit_upper_node(tree.nodes[node], refitter.is_lowest(tree.nodes[node].first_child));
 }
 

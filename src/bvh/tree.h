@@ -84,8 +84,8 @@ BoundingBox bounding_box_of(MeshView mesh);
 ///       triangles of a leaf are in ascending order, with the ids of their vertices. If the last leaf has fewer than
 ///       eight triangles, copies of its last triangle fill it up.
 ///   I3  The levels of nodes, with the header's, without the leaves, are ceil(log8(n)) for n triangles, but at least 1.
-///   I4  The sphere, box and slab of a slot contain every corner of every triangle below it, where the corner was when
-///       bounds were last fitted to it: at its position at the last refit. It is at most `slack` away from there.
+///   I4  The sphere, box, slab and sides of a slot contain every corner of every triangle below it, where it was
+///       when bounds were last fitted to it: at its position at the last refit. It is at most `slack` away from there.
 ///   I5  A decoded quantized corner differs from the exact one by at most 0.52 quantization steps + 2^-51 times the
 ///       corner's largest coordinate, in each coordinate. All are in units, relative to the node's origin.
 ///   I6  `radius` of a node is at least the distance of its origin from every point of its children's spheres.
@@ -181,6 +181,10 @@ Tree build(MeshView mesh);
 ///
 /// Cost     O(n), parallel as build().
 void fit(Tree& tree, MeshView mesh);
+
+/// The direction in the plane of a normal that SlabSides::turn stands for, up to some 30 u32: what the kernels compute
+/// in float32.
+Vec3 in_plane(const Vec3& normal, double turn);
 
 /// Checks the invariants I1 to I7.
 ///

@@ -73,7 +73,12 @@ bool contains(const Tree& tree, SlotId id, const Vec3& corner) {
   const ChildBounds& n = node.bounds;
   const Vec3 d = (corner - node.origin) * (1 / tree.unit) - local_slot_center(node, k);
   const auto at_most = [](double x, float limit) { return x <= static_cast<double>(limit); };
-  const double h = dot(Vec3{n.normal_x[k], n.normal_y[k], n.normal_z[k]}, d);
+  const Vec3 normal{n.normal_x[k], n.normal_y[k], n.normal_z[k]}, side = in_plane(normal, node.sides.turn[k]);
+  const double h = dot(normal, d), step = static_cast<double>(n.radius[k]) / double{max_side};
+  const double across[2] = {dot(side, d), dot(cross(normal, side), d)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (across[i] < step * node.sides.low[i][k] || across[i] > step * node.sides.high[i][k]) return false;
+  }
   return at_most(length(d), n.radius[k]) && at_most(std::abs(d.x), n.half_x[k]) &&
          at_most(std::abs(d.y), n.half_y[k]) && at_most(std::abs(d.z), n.half_z[k]) && at_most(h, n.high[k]) &&
          at_most(-h, -n.low[k]);
@@ -128,6 +133,12 @@ std::uint32_t first_leaf(const Tree& tree, std::uint32_t n, std::size_t level) {
 }
 
 }  // namespace
+
+Vec3 in_plane(const Vec3& n, double turn) {
+  const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
+  const double sine = turn / double{max_quantized}, cosine = std::sqrt(1 - sine * sine);
+  return Vec3{1 + sign * n.x * n.x * a, sign * b, -sign * n.x} * cosine + Vec3{b, sign + n.y * n.y * a, -n.y} * sine;
+}
 
 Result<void> validate(const Tree& tree, MeshView mesh) {
   if (auto valid = check_topology(tree, mesh.triangles.size()); !valid) return valid;

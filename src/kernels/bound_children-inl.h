@@ -7,7 +7,8 @@
 //   2. the distance of the boxes, in the frame of either tree (box_gaps, own_box_gaps);
 //   3. the gap along the normal of either slab, with the gap of the spheres across it (slab_sq);
 //   4. the gap along the line of centers (slab_sq).
-// A fifth, the gap along the search direction, prunes on its own (compare_along).
+// A fifth, the gap along the search direction, prunes on its own (compare_along). Where a child that is left or the
+// other slot is elongated, bound 6 is the distance of the boxes along their slabs (compare_along_slabs).
 
 #if defined(LIMBER_SIMD_BOUND_CHILDREN_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_CHILDREN_INL_H
@@ -20,6 +21,7 @@
 
 #include "base/error_bounds.h"
 #include "kernels/project-inl.h"
+#include "kernels/slab_sides-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
@@ -178,6 +180,73 @@ LIMBER_KERNEL KeptSlots bound_packet(const bvh::ChildBounds& children, std::uint
   return {kept, kept & overlapping, overlap_only ? 0 : bits(more >= zero())};
 }
 
+/// The box along its slab of a slot of the other tree, in every lane.
+LIMBER_KERNEL OrientedBoxes oriented_box(const SlotRef& other, const ProjectedNode& p,
+                                         const FrameTransform& transform) {
+  const bvh::ChildBounds& n = other.node->bounds;
+  const bvh::SlabSides& sides = other.node->sides;
+  const std::uint32_t k = other.slot;
+  const float radius = p.radius - p.error, half_step = radius * (0.5F / bvh::max_side);
+  const Packet3 own = in_plane({Packet::set(n.normal_x[k]), Packet::set(n.normal_y[k]), Packet::set(n.normal_z[k])},
+                               Packet::set(sides.turn[k]));
+  const float(&columns)[3][4] = transform.rotation;
+  OrientedBoxes box;
+  box.axis[0] = broadcast(p.normal);
+  box.axis[1] = broadcast(columns[0]) * own.x + broadcast(columns[1]) * own.y + broadcast(columns[2]) * own.z;
+  box.axis[2] = cross(box.axis[0], box.axis[1]);
+  box.middle[0] = Packet::set(0.5F * (p.high + p.low)),
+  box.half[0] = Packet::set(0.5F * (p.high - p.low) + radius * base::sides_error);
+  for (int i = 0; i < 2; ++i) {
+    const int low = sides.low[i][k], high = sides.high[i][k];
+    box.middle[i + 1] = Packet::set(static_cast<float>(high + low) * half_step);
+    box.half[i + 1] = Packet::set(static_cast<float>(high - low) * half_step + p.error);
+  }
+  return box;
+}
+
+/// Gaps along the axes of boxes, negative where they overlap.
+struct OrientedGaps {
+  Packet3 own, other;
+};
+LIMBER_KERNEL OrientedGaps oriented_gaps(const OrientedBoxes& boxes, const OrientedBoxes& other, const Packet3& d) {
+  Packet own[3], height_o[3], half_o[3];
+  for (int j = 0; j < 3; ++j) height_o[j] = dot(other.axis[j], d) + other.middle[j], half_o[j] = other.half[j];
+  for (int k = 0; k < 3; ++k) {
+    Packet height = dot(boxes.axis[k], d) - boxes.middle[k], half = boxes.half[k];
+    for (int j = 0; j < 3; ++j) {
+      const Packet cosine = dot(boxes.axis[k], other.axis[j]), cosine_abs = abs(cosine);
+      height = height + cosine * other.middle[j], half = half + cosine_abs * other.half[j];
+      height_o[j] = height_o[j] - cosine * boxes.middle[k], half_o[j] = half_o[j] + cosine_abs * boxes.half[k];
+    }
+    own[k] = abs(height) - half;
+  }
+  return {{own[0], own[1], own[2]},
+          {abs(height_o[0]) - half_o[0], abs(height_o[1]) - half_o[1], abs(height_o[2]) - half_o[2]}};
+}
+
+/// Raises the bounds of kept children by the boxes along slabs, and returns the children that are left. Apart from
+/// bound_children(), as few nodes need it.
+LIMBER_KERNEL_APART KeptSlots compare_along_slabs(const bvh::Node& node, const SlotRef& other,
+                                                  const FrameTransform& transform, float limit_sq, KeptSlots kept,
+                                                  float* order, float* bound_sq) {
+  alignas(32) double center[4];
+  project_center(*other.node, other.slot, transform, node.origin, center);
+  const ProjectedNode projected = project_node(node, other, transform, center);
+  const OrientedBoxes box = oriented_box(other, projected, transform);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const Packet3 d = broadcast(projected.center) - centers(node.bounds, i);
+    const OrientedGaps g = oriented_gaps(oriented_boxes(node, i), box, d);
+    const Packet gap_sq =
+        max(length_of_gaps_sq(g.own), length_of_gaps_sq(g.other)) * Packet::set(1 - base::sides_error);
+    const Mask is_better = gap_sq > zero();
+    const Packet before = Packet::load(order + i);
+    select(is_better, max(before, gap_sq), before).store(order + i);
+    if (bound_sq != nullptr) max(Packet::load(bound_sq + i), gap_sq).store(bound_sq + i);
+    kept.overlapping &= ~(bits(is_better) << i), kept.all &= ~(bits(gap_sq >= Packet::set(limit_sq)) << i);
+  }
+  return kept;
+}
+
 LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const SlotRef& other, const FrameTransform& transform,
                                        const PruneLimits& pruning, float limit_sq, float* order, float* bound_sq) {
   alignas(32) double center[4];
@@ -196,7 +265,12 @@ LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const SlotRef& oth
     kept.all |= these.all << i, kept.overlapping |= these.overlapping << i, kept.larger |= these.larger << i;
   }
   const unsigned used = (1U << node.child_count) - 1;
-  return {kept.all & used, kept.overlapping & used, kept.larger & used};
+  kept = {kept.all & used, kept.overlapping & used, kept.larger & used};
+  if (kept.all != 0 && ((node.elongated_slots & kept.all) | (other.node->elongated_slots >> other.slot & 1)) != 0)
+      [[unlikely]] {
+    return compare_along_slabs(node, other, transform, limit_sq, kept, order, bound_sq);
+  }
+  return kept;
 }
 
 // Kernels::bound_leaf: a lower bound of the distance between the triangles of a leaf and a volume of the other tree.

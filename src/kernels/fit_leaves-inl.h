@@ -16,6 +16,7 @@
 
 #include "base/error_bounds.h"
 #include "base/memory.h"
+#include "kernels/slab_sides-inl.h"
 #include "simd/kernels.h"
 #include "simd/packets-inl.h"
 
@@ -24,7 +25,7 @@ namespace limber::simd::LIMBER_TARGET {
 namespace {
 
 // Areas below this have lost too many digits.
-inline constexpr float smallest_area = 0x1p-120F, smallest_float = 0x1p-126F;
+inline constexpr float smallest_area = 0x1p-120F;
 
 /// A unit vector along `area`, or the direction in which the box is thinnest if the area is 0.
 LIMBER_KERNEL Packet3 slab_normal(const Packet3& area, const Packet3& half) {
@@ -110,11 +111,12 @@ LIMBER_KERNEL void gather(const Vec3* positions, std::span<const bvh::Leaf> leav
   }
 }
 
-/// Boxes of the leaves, and the sums of the area vectors of their triangles, all on one side.
+/// Boxes of the leaves, and the sums of the area vectors of their triangles and of two edges of each, all on one side.
 struct BoxesAndAreas {
-  alignas(64) float low[3][width], high[3][width], area[3][width];
+  alignas(64) float low[3][width], high[3][width], area[3][width], edge[3][width];
 };
 
+template <bool with_sides>
 LIMBER_KERNEL void find_boxes_and_areas(const CornerArrays& corners, BoxesAndAreas& found) {
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     Triple<WidePacket> lows = corners.at<WidePacket>(0, i), highs = lows;
@@ -131,12 +133,14 @@ LIMBER_KERNEL void find_boxes_and_areas(const CornerArrays& corners, BoxesAndAre
     const WidePacket none = duplicated(zero()), scales = duplicated(scale);
     Triple<WidePacket> sums[2 / corners_at_once];
     for (Triple<WidePacket>& sum : sums) sum = {none, none, none};
+    Triple<WidePacket> edges = {none, none, none};
     for (std::uint32_t j = 0; j < width; j += corners_at_once) {
       Triple<WidePacket>& sum = sums[j % 2 / corners_at_once];
       const Triple<WidePacket> p = corners.at<WidePacket>(corner_index(0, j), i);
-      sum = sum + aligned(cross((corners.at<WidePacket>(corner_index(1, j), i) - p) * scales,
-                                (corners.at<WidePacket>(corner_index(2, j), i) - p) * scales),
-                          sum);
+      const Triple<WidePacket> edge_b = (corners.at<WidePacket>(corner_index(1, j), i) - p) * scales;
+      const Triple<WidePacket> edge_c = (corners.at<WidePacket>(corner_index(2, j), i) - p) * scales;
+      sum = sum + aligned(cross(edge_b, edge_c), sum);
+      if (with_sides) edges = edges + aligned(edge_b, edges), edges = edges + aligned(edge_c, edges);
     }
     const Packet3 even{first_of(sums[0].x), first_of(sums[0].y), first_of(sums[0].z)};
     const Triple<WidePacket>& last = sums[2 / corners_at_once - 1];
@@ -144,31 +148,63 @@ LIMBER_KERNEL void find_boxes_and_areas(const CornerArrays& corners, BoxesAndAre
     const Packet3 sum = even + aligned(odd, even);
     store3(low, found.low, i), store3(high, found.high, i);
     store3(sum * (extent * extent), found.area, i);
+    if (!with_sides) continue;
+    const Packet3 first{first_of(edges.x), first_of(edges.y), first_of(edges.z)};
+    const Packet3 second = corners_at_once == 1 ? Packet3{zero(), zero(), zero()}
+                                                : Packet3{last_of(edges.x), last_of(edges.y), last_of(edges.z)};
+    store3((first + aligned(second, first)) * extent, found.edge, i);
   }
 }
 
-/// The radius of corners about a center, and the interval of their heights over it along a direction.
+/// The radius of corners about a center, and the intervals of their heights over it along a slab's normal and along two
+/// directions in its plane.
 struct Extent {
   Packet radius, low, high;
+  Packet side_low[2], side_high[2];
 };
 
+LIMBER_KERNEL void half_sizes(const Extent& e, Packet (&half)[3]) {
+  const Packet one_half = Packet::set(0.5F);
+  half[0] = one_half * (e.high - e.low);
+  for (int k = 0; k < 2; ++k) half[k + 1] = one_half * (e.side_high[k] - e.side_low[k]);
+}
+
 /// Computes an extent, corner by corner.
+template <bool with_sides>
 struct ExtentFit {
-  Triple<WidePacket> shift, normal;  // `shift` is the center, relative to what corners are relative to
+  static constexpr int axis_count = with_sides ? 3 : 1;
+  Triple<WidePacket> shift;  // the center, relative to what corners are relative to
+  Triple<WidePacket> axes[axis_count];
   WidePacket farthest_sq = duplicated(zero());
-  WidePacket low = duplicated(Packet::set(far_off)), high = duplicated(Packet::set(-far_off));
+  WidePacket low[axis_count], high[axis_count];
+
+  LIMBER_KERNEL ExtentFit(const Packet3& center, const Packet3& normal, Packet turn) : shift(duplicated(center)) {
+    axes[0] = duplicated(normal);
+    if constexpr (with_sides) {
+      const Packet3 side = in_plane(normal, turn);
+      axes[1] = duplicated(side), axes[2] = duplicated(cross(normal, side));
+    }
+    for (WidePacket& x : low) x = duplicated(Packet::set(far_off));
+    for (WidePacket& x : high) x = duplicated(Packet::set(-far_off));
+  }
 
   LIMBER_KERNEL void add(const Triple<WidePacket>& corner) {
     const Triple<WidePacket> d = corner - shift;
-    const WidePacket height = dot(normal, d);
     farthest_sq = max(farthest_sq, dot(d, d));
-    low = min(low, height), high = max(high, height);
+    for (int k = 0; k < axis_count; ++k) {
+      const WidePacket height = dot(axes[k], d);
+      low[k] = min(low[k], height), high[k] = max(high[k], height);
+    }
   }
   /// `error` is at least what corners and shift are off by.
   LIMBER_KERNEL Extent extent(Packet error) const {
     const Packet radius = sqrt(larger_half(farthest_sq)) * Packet::set(base::squares_up) + (error + error);
     const Packet tilt = (error + error) + radius * Packet::set(base::corner_error);
-    return {radius, smaller_half(low) - tilt, larger_half(high) + tilt};
+    const auto lowest = [&](int k) { return smaller_half(low[k]) - tilt; };
+    const auto highest = [&](int k) { return larger_half(high[k]) + tilt; };
+    Extent found{radius, lowest(0), highest(0), {}, {}};
+    for (int k = 1; k < axis_count; ++k) found.side_low[k - 1] = lowest(k), found.side_high[k - 1] = highest(k);
+    return found;
   }
 };
 
@@ -202,10 +238,12 @@ LIMBER_KERNEL void quantize(const CornerArrays& corners, const bvh::ChildBounds&
 struct BoundFrame {
   float center[3], half[3];
   Packet3 normal;
+  Packet turn;
   float error;  // at least what corners are off by
 };
 
 /// That of all leaves together; their origins are at `in_node`, relative to the origin of the node.
+template <bool with_sides>
 LIMBER_KERNEL BoundFrame frame_of_all(const BoxesAndAreas& found, const float (&in_node)[3][width]) {
   BoundFrame frame;
   float low[3], high[3], area[3], extent = 0;
@@ -227,9 +265,16 @@ LIMBER_KERNEL BoundFrame frame_of_all(const BoxesAndAreas& found, const float (&
     frame.half[axis] = std::max(high[axis] - center, center - low[axis]) + frame.error;
   }
   frame.normal = slab_normal(broadcast(area), broadcast(frame.half));
+  frame.turn = zero();
+  if (with_sides) {
+    float edge[3];
+    sum_aligned(found.edge, edge);
+    frame.turn = turn_along(frame.normal, broadcast(edge));
+  }
   return frame;
 }
 
+template <bool with_sides>
 LIMBER_KERNEL bvh::MergedBounds bound_of(const BoundFrame& frame, const Extent& all) {
   bvh::MergedBounds whole;
   alignas(64) float n[3][width];
@@ -238,6 +283,13 @@ LIMBER_KERNEL bvh::MergedBounds bound_of(const BoundFrame& frame, const Extent& 
     whole.center[axis] = frame.center[axis], whole.half[axis] = frame.half[axis], whole.normal[axis] = n[axis][0];
   }
   whole.radius = largest(all.radius), whole.high = largest(all.high), whole.low = -largest(zero() - all.low);
+  if (with_sides) {
+    float low[2], high[2];
+    for (int k = 0; k < 2; ++k) low[k] = -largest(zero() - all.side_low[k]), high[k] = largest(all.side_high[k]);
+    set_sides(frame.turn, low, high, whole);
+  } else {
+    set_no_sides(whole);
+  }
   return whole;
 }
 
@@ -247,13 +299,14 @@ LIMBER_KERNEL Doubles to_24_bits(Doubles x) {
   return or_zero(high - (high - x), x, 0x1p-100);
 }
 
+template <bool with_sides>
 LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, bvh::Node& node,
                                            std::span<bvh::Leaf> leaves) {
   const double per_unit = 1 / unit;
   NodeCorners gathered;
   gather(positions, leaves, node.child_count, per_unit, gathered);
   BoxesAndAreas found;
-  find_boxes_and_areas(gathered.corners, found);
+  find_boxes_and_areas<with_sides>(gathered.corners, found);
 
   // The origins of the leaves in the node; and their centers, relative to the node and relative to the leaf's origin.
   node.origin = {gathered.origin[0][0], gathered.origin[1][0], gathered.origin[2][0]};
@@ -270,10 +323,12 @@ LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, b
       (center - offset).store_rounded(shift[axis] + k);
     }
   }
-  const BoundFrame frame = frame_of_all(found, in_node);
-  Extent all{zero(), Packet::set(far_off), Packet::set(-far_off)};
+  const BoundFrame frame = frame_of_all<with_sides>(found, in_node);
+  const Packet lowest = Packet::set(-far_off), highest = Packet::set(far_off);
+  Extent all{zero(), highest, lowest, {highest, highest}, {lowest, lowest}};
   bvh::ChildBounds& n = node.bounds;
   Packet farthest = zero();
+  unsigned elongated = 0;
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet3 low = load3(found.low, i), high = load3(found.high, i), center = load3(shift, i);
     const Packet extent = max(max(largest_abs(low), largest_abs(high)), largest_abs(center));
@@ -283,23 +338,40 @@ LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, b
                          Packet::set(base::smallest_corner_error);
     const Packet3 half = max3(high - center, center - low) + Packet3{error, error, error};
     const Packet3 normal = slab_normal(load3(found.area, i), half);
-    ExtentFit own{duplicated(center), duplicated(normal)};
-    ExtentFit common{duplicated(broadcast(frame.center) - load3(in_node, i)), duplicated(frame.normal)};
+    const Packet turn = with_sides ? turn_along(normal, load3(found.edge, i)) : zero();
+    ExtentFit<with_sides> own(center, normal, turn);
+    ExtentFit<with_sides> common(broadcast(frame.center) - load3(in_node, i), frame.normal, frame.turn);
     for (std::uint32_t c = 0; c < 3 * width; c += corners_at_once) {
       const Triple<WidePacket> corner = gathered.corners.at<WidePacket>(c, i);
       own.add(corner), common.add(corner);
     }
     const Extent fitted = own.extent(error), some = common.extent(Packet::set(frame.error));
-    all = {max(all.radius, some.radius), min(all.low, some.low), max(all.high, some.high)};
+    all.radius = max(all.radius, some.radius), all.low = min(all.low, some.low), all.high = max(all.high, some.high);
+    for (int k = 0; with_sides && k < 2; ++k) {
+      all.side_low[k] = min(all.side_low[k], some.side_low[k]);
+      all.side_high[k] = max(all.side_high[k], some.side_high[k]);
+    }
     in_units.x.store(n.center_x + i), in_units.y.store(n.center_y + i), in_units.z.store(n.center_z + i);
     half.x.store(n.half_x + i), half.y.store(n.half_y + i), half.z.store(n.half_z + i);
     normal.x.store(n.normal_x + i), normal.y.store(n.normal_y + i), normal.z.store(n.normal_z + i);
     fitted.radius.store(n.radius + i), fitted.low.store(n.low + i), fitted.high.store(n.high + i);
+    Packet along_slab[3] = {zero(), zero(), zero()};
+    if (with_sides) half_sizes(fitted, along_slab);
+    const Mask is_long = with_sides ? is_elongated(along_slab, half) : normal.x > Packet::set(far_off);  // nowhere
+    elongated |= bits(is_long) << i;
+    turn.store_int16(node.sides.turn + i);
+    store_sides(fitted.side_low, fitted.side_high, fitted.radius, is_long, i, node.sides);
     farthest = max(farthest, sqrt(dot(in_units, in_units)) * Packet::set(base::squares_up) + fitted.radius);
   }
   node.radius = (largest(farthest) + base::smallest_corner_error) * base::squares_up;
+  node.elongated_slots = elongated & ((1U << node.child_count) - 1);
   quantize(gathered.corners, n, shift, node.child_count, leaves.data());
-  return bound_of(frame, all);
+  return bound_of<with_sides>(frame, all);
+}
+
+LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, bvh::Node& node,
+                                           std::span<bvh::Leaf> leaves, bool sides) {
+  return sides ? fit_leaves<true>(positions, unit, node, leaves) : fit_leaves<false>(positions, unit, node, leaves);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 #include "base/error_bounds.h"
 #include "kernels/fit_leaves-inl.h"
 #include "kernels/project-inl.h"
+#include "kernels/slab_sides-inl.h"
 #include "layout/node.h"
 #include "limber/math.h"
 #include "simd/kernels.h"
@@ -58,8 +59,45 @@ LIMBER_KERNEL Packet farthest_of(const NodePairs& p, const Packet3& d, Packet lo
   return min(sqrt(distance_sq) + p.radius, sqrt(along * along + across * across)) * Packet::set(base::squares_up);
 }
 
+/// As farthest_of(), by the boxes along the slabs.
+LIMBER_KERNEL Packet farthest_corner_of(const OrientedBoxes& boxes, const Packet3& d) {
+  Packet squares = zero();
+  for (int k = 0; k < 3; ++k) {
+    const Packet along = abs(dot(boxes.axis[k], d) + boxes.middle[k]) + boxes.half[k];
+    squares = squares + along * along;
+  }
+  return sqrt(squares) * Packet::set(1 + base::sides_error);
+}
+
+/// The turn of the axes of the children's second moment in a plane, in which they count as boxes along their slabs.
+LIMBER_KERNEL Packet moment_turn(const bvh::Node& node, const Packet3& center, const Packet3& normal,
+                                 Packet per_radius) {
+  alignas(64) float difference[width], product[width];
+  const PlaneAxes plane = plane_axes(normal);
+  for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
+    const OrientedBoxes boxes = oriented_boxes(node, i);
+    const Packet3 d = (centers(node.bounds, i) - center) * per_radius;
+    const Packet x = dot(plane.first, d), y = dot(plane.second, d);
+    Packet squares = x * x - y * y, mixed = x * y;
+    for (int k = 0; k < 3; ++k) {
+      const Packet half = boxes.half[k] * per_radius, weight = half * half * Packet::set(1.0F / 3);
+      const Packet u = dot(plane.first, boxes.axis[k]), v = dot(plane.second, boxes.axis[k]);
+      squares = squares + weight * (u * u - v * v), mixed = mixed + weight * (u * v);
+    }
+    squares.store(difference + i), (mixed + mixed).store(product + i);
+  }
+  float c = 0, s = 0;
+  for (std::uint32_t k = 0; k < width; ++k) c += difference[k], s += product[k];
+  const float length = std::sqrt(c * c + s * s);
+  // Half of the angle; of the two ways to compute it the one in which nothing cancels.
+  return c >= 0 ? turn_along(Packet::set(length + c), Packet::set(s))
+                : turn_along(Packet::set(s), Packet::set(length - c));
+}
+
 /// The bound around the children of a node that has all of them.
-LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
+template <bool with_sides>
+LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::Node& node) {
+  const bvh::ChildBounds& n = node.bounds;
   bvh::MergedBounds whole;
   Span box[3] = {empty_span(), empty_span(), empty_span()};
   alignas(64) float area[3][width];
@@ -91,10 +129,12 @@ LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
   float sum[3];
   sum_aligned(area, sum);
   const Packet3 normal = slab_normal(broadcast(sum), broadcast(whole.half));
-  Span slab = empty_span(), sphere = empty_span();
+  const Packet turn = with_sides ? moment_turn(node, broadcast(whole.center), normal, per_radius) : zero();
+  const Packet3 first_side = in_plane(normal, turn), sides[2] = {first_side, cross(normal, first_side)};
+  Span slab = empty_span(), sphere = empty_span(), side[2] = {empty_span(), empty_span()};
   const Packet errors = Packet::set(errors_added * error), up = Packet::set(base::squares_up);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
-    const ProjectedNode center{{whole.center[0], whole.center[1], whole.center[2]}, {}, {}, {}, 0, 0, 0};
+    const ProjectedNode center{{whole.center[0], whole.center[1], whole.center[2]}, {}, {}, {}, 0, 0, 0, 0};
     const NodePairs p = pair_up(n, i, center);
     const Packet3 d{zero() - p.d.x, zero() - p.d.y, zero() - p.d.z};
     const Packet cosine = dot(p.normal, normal), height = dot(normal, d);
@@ -102,10 +142,22 @@ LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
     const Packet sine = sqrt(dot(crossed, crossed)), cosine_abs = abs(cosine);
     const Packet of_box = box_support(p.half, normal);
     const Mask same_side = cosine > zero();
-    const Packet above = support(p.radius, select(same_side, p.upper, p.lower), cosine_abs, sine);
-    const Packet below = support(p.radius, select(same_side, p.lower, p.upper), cosine_abs, sine);
+    Packet above = support(p.radius, select(same_side, p.upper, p.lower), cosine_abs, sine);
+    Packet below = support(p.radius, select(same_side, p.lower, p.upper), cosine_abs, sine);
+    Packet far = farthest_of(p, d, Packet::load(n.low + i), Packet::load(n.high + i));
+    if (with_sides) {
+      const OrientedBoxes boxes = oriented_boxes(node, i);
+      const TwoSupports of_boxes = supports(boxes, normal);
+      above = min(above, of_boxes.above), below = min(below, of_boxes.below);
+      far = min(far, farthest_corner_of(boxes, d));
+      for (int k = 0; k < 2; ++k) {
+        const TwoSupports along = supports(boxes, sides[k]);
+        const Packet most = min(box_support(p.half, sides[k]), p.radius), at = dot(sides[k], d);
+        side[k].add(at - min(most, along.below) * up - errors, at + min(most, along.above) * up + errors);
+      }
+    }
     slab.add(height - min(below, of_box) * up - errors, height + min(above, of_box) * up + errors);
-    const Packet far = farthest_of(p, d, Packet::load(n.low + i), Packet::load(n.high + i)) + errors;
+    far = far + errors;
     sphere.add(far, far);
   }
   alignas(64) float stored[3][width];
@@ -115,20 +167,35 @@ LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::ChildBounds& n) {
   const float* const half = whole.half;
   const float diagonal = std::sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]) * base::squares_up;
   whole.radius = std::min(sphere.high(), diagonal);
+  if (with_sides) {
+    set_sides(turn, {side[0].low(), side[1].low()}, {side[0].high(), side[1].high()}, whole);
+  } else {
+    set_no_sides(whole);
+  }
   return whole;
 }
 
-LIMBER_KERNEL bvh::MergedBounds merge_bounds(const bvh::Node& node) {
-  if (node.child_count == width) return merge_all(node.bounds);
+LIMBER_KERNEL bvh::MergedBounds merge_all(const bvh::Node& node, bool sides) {
+  return sides ? merge_all<true>(node) : merge_all<false>(node);
+}
+
+LIMBER_KERNEL bvh::MergedBounds merge_bounds(const bvh::Node& node, bool with_sides) {
+  if (node.child_count == width) return merge_all(node, with_sides);
+  // A copy, in which the slots that are not in use repeat the last child.
+  bvh::Node repeated = node;
   float rows[sizeof(bvh::ChildBounds) / sizeof(float) / width][width];
   std::memcpy(rows, &node.bounds, sizeof(rows));
   for (float(&row)[width] : rows) {
-    for (std::uint32_t k = node.child_count; k < width; ++k)
-      row[k] = row[node.child_count - 1];  // repeats the last child
+    for (std::uint32_t k = node.child_count; k < width; ++k) row[k] = row[node.child_count - 1];
   }
-  bvh::ChildBounds repeated;
-  std::memcpy(&repeated, rows, sizeof(rows));
-  return merge_all(repeated);
+  std::memcpy(&repeated.bounds, rows, sizeof(rows));
+  std::int16_t sides[sizeof(bvh::SlabSides) / sizeof(std::int16_t) / width][width];
+  std::memcpy(sides, &node.sides, sizeof(sides));
+  for (std::int16_t(&row)[width] : sides) {
+    for (std::uint32_t k = node.child_count; k < width; ++k) row[k] = row[node.child_count - 1];
+  }
+  std::memcpy(&repeated.sides, sides, sizeof(sides));
+  return merge_all(repeated, with_sides);
 }
 
 // Kernels::extend_box.

@@ -60,6 +60,7 @@ struct ProjectedNode {
   float own_half[3];          // half extents along the axes of the node's own frame
   alignas(16) float normal[4];
   float radius, low, high;
+  float error;  // by which it is enlarged
 };
 
 /// The search direction for the children of one node and a projected node. A child is pruned if its support along
@@ -146,7 +147,7 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const SlotRef& o
   if (!(std::abs(units[0]) + std::abs(units[1]) + std::abs(units[2]) + size < base::max_units)) {
     constexpr auto everywhere = static_cast<float>(4 * base::max_units);  // overlaps all that is smaller than max_units
     const float all = everywhere;
-    return {{}, {all, all, all}, {all, all, all}, {1, 0, 0}, all, -all, all};
+    return {{}, {all, all, all}, {all, all, all}, {1, 0, 0}, all, -all, all, all};
   }
   ProjectedNode p;
   for (int j = 0; j < 3; ++j) p.center[j] = static_cast<float>(units[j]);
@@ -161,6 +162,7 @@ LIMBER_KERNEL ProjectedNode project_node(const bvh::Node& node, const SlotRef& o
   p.radius = radius + error;
   p.low = n.low[k] * transform.ratio - error;
   p.high = n.high[k] * transform.ratio + error;
+  p.error = error;
   return p;
 }
 

@@ -23,8 +23,8 @@ inline constexpr std::uint32_t width = 8;
 inline constexpr std::uint64_t each_pair_once = 0x0080c0e0f0f8fcfe;
 
 /// Bounding volumes of the children of a node, one child slot each. A volume is the intersection of a sphere, an
-/// axis-aligned box in the model frame and a slab, all about one center. Numbers are rounded outward. Slots without a
-/// child hold numbers that mean nothing.
+/// axis-aligned box in the model frame and a slab, all about one center; SlabSides adds a second box. Numbers are
+/// rounded outward. Slots without a child hold numbers that mean nothing.
 struct alignas(64) ChildBounds {
   float center_x[width], center_y[width], center_z[width];  // 96 bytes   relative to Node::origin
   float radius[width];                                      // 32   of the sphere
@@ -33,6 +33,18 @@ struct alignas(64) ChildBounds {
   float low[width], high[width];                            // 64   low <= normal . (p - center) <= high
 };
 static_assert(sizeof(ChildBounds) == 12 * 4 * width);
+
+/// What cuts the slab of an elongated child to a box: the intervals of its content along two directions in the slab's
+/// plane, perpendicular to each other. The first is turned by the angle asin(turn / max_quantized), at most 45 degrees,
+/// from a direction that follows from the normal (in_plane() in bvh/tree.h). Heights over the center are fractions of
+/// the sphere's radius, h = radius * low / max_side, rounded outward by more than a step. Children that are not
+/// elongated have the intervals of the sphere.
+struct alignas(16) SlabSides {
+  std::int16_t turn[width];                    // 16 bytes
+  std::int16_t low[2][width], high[2][width];  // 64
+};
+static_assert(sizeof(SlabSides) == 10 * width);
+inline constexpr float max_side = 32760;  // less than 32767, so that what has the radius's size can be rounded outward
 
 /// Corners of the triangles of a leaf as fractions of the radius of its sphere: p = center + q * step, where step is
 /// radius / max_quantized. A coordinate is off by at most 0.52 steps: half a step, and float32 (invariant I5 of
@@ -46,14 +58,19 @@ inline constexpr float max_quantized = 32767;
 /// A node with up to `width` children.
 struct alignas(64) Node {
   ChildBounds bounds;              // 384 bytes
+  SlabSides sides;                 //  80
   Vec3 origin;                     //  24         model frame, float64
   float radius;                    //   4         of a sphere about the origin that holds the spheres of all children
   std::uint32_t first_child;       //   4         slot k holds node first_child + k; on the lowest level that leaf
   std::uint32_t child_count;       //   4         slots in use, the first ones
   std::uint32_t parent;            //   4         slot whose child this is, 8 * node + slot; the header, node 0, has 0
   std::uint32_t coincident_slots;  //   4         mask: all triangles below have the same positions, corner by corner
+  std::uint32_t elongated_slots;   //   4         mask: of SlabSides; as long as they are not fitted, all
 };
-static_assert(sizeof(Node) == 448);
+static_assert(sizeof(Node) == 512);
+
+/// The slots in use, as a mask.
+inline std::uint32_t used_slots(const Node& node) { return (1U << node.child_count) - 1; }
 
 /// Up to `width` triangles in ascending order; slots beyond them repeat the last one.
 struct Leaf {
@@ -70,6 +87,9 @@ static_assert(sizeof(Leaf) == 272);
 struct MergedBounds {
   float center[3];
   float radius, half[3], normal[3], low, high;
+  float turn;                       // a whole number, as SlabSides::turn
+  float side_low[2], side_high[2];  // the intervals that SlabSides has, as lengths
+  std::uint32_t is_elongated;       // 1, or 0: Node::elongated_slots
 };
 
 // --- bounds of a moving model: one MovingNode for each node of its tree, one MovingLeaf for each leaf ---

@@ -56,6 +56,11 @@ struct Vector {
     return {hn::PromoteTo(Tag(), hn::Load(hn::Rebind<float, Tag>(), p))};
   }
   HWY_INLINE void store(T* p) const { hn::StoreU(v, Tag(), p); }
+  /// Pre: whole numbers.
+  HWY_INLINE void store_int16(std::int16_t* p) const {
+    const hn::Rebind<std::int16_t, Tag> narrow;
+    hn::Store(hn::DemoteTo(narrow, hn::NearestInt(v)), narrow, p);
+  }
   HWY_INLINE void store_rounded(float* p) const {
     const hn::Rebind<float, Tag> narrow;
     hn::Store(hn::DemoteTo(narrow, v), narrow, p);

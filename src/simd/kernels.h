@@ -234,12 +234,13 @@ using FindCrossedTriangles = unsigned (*)(const bvh::Node& node, std::uint32_t s
 
 /// Fits a node of the lowest level to the triangles of its leaves, the first node.child_count of `leaves`: origin,
 /// radius and bounds of the node, and the quantized corners of the leaves. `unit` is that of the tree. Leaves after
-/// these are fetched from memory ahead of time, for the next call. Returns a bound of all the triangles.
+/// these are fetched from memory ahead of time, for the next call. Returns a bound of all the triangles. Without
+/// `sides` the intervals of SlabSides are those of the spheres, and nothing is elongated.
 using FitLeaves = bvh::MergedBounds (*)(const Vec3* positions, double unit, bvh::Node& node,
-                                        std::span<bvh::Leaf> leaves);
+                                        std::span<bvh::Leaf> leaves, bool sides);
 
-/// A bounding volume around the children of a node.
-using MergeBounds = bvh::MergedBounds (*)(const bvh::Node& node);
+/// A bounding volume around the children of a node. `sides` as in FitLeaves.
+using MergeBounds = bvh::MergedBounds (*)(const bvh::Node& node, bool sides);
 
 struct Displacement {
   double farthest_sq;  ///< the longest displacement of a point, squared; 0 if not is_bounded

@@ -36,6 +36,7 @@ struct Vector {
   static Vector from_int16(const std::int16_t* p) { return {static_cast<T>(*p)}; }
   static Vector from_floats(const float* p) { return {T{*p}}; }
   void store(T* p) const { *p = v; }
+  void store_int16(std::int16_t* p) const { *p = static_cast<std::int16_t>(v); }
   void store_rounded(float* p) const { *p = static_cast<float>(v); }
 
   friend Vector operator+(Vector a, Vector b) { return {a.v + b.v}; }

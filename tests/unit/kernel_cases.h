@@ -80,10 +80,24 @@ inline pair::Pruning pruning_along(const pair::PlacedPair& placed, double cutoff
   return pruning;
 }
 
-/// Soups of one kind: spread out, in a small place, flat, thin, points.
+/// Strips of eight triangles each, much longer than wide, in all directions, far enough from each other to be leaves.
+inline Mesh rods(Rng& rng, std::size_t count, double spread = 10) {
+  std::vector<Triangle> triangles;
+  for (std::size_t rod = 0; rod < count; ++rod) {
+    const Vec3 at = uniform_point(rng, -spread, spread), along = uniform_point(rng), across = 0.05 * uniform_point(rng);
+    for (int j = 0; j < 8; ++j) {
+      const Vec3 from = at + (0.125 * j) * along, bent = from + 0.005 * uniform_point(rng);
+      triangles.push_back({from, bent + 0.25 * along, from + (j % 2 == 0 ? across : -across)});
+    }
+  }
+  return soup(triangles);
+}
+
+/// Soups of one kind: spread out, in a small place, flat, thin, points, rods.
 inline Mesh some_soup(Rng& rng, std::size_t count) {
   std::vector<Triangle> triangles;
-  const std::uint64_t kind = rng.below(5);
+  const std::uint64_t kind = rng.below(6);
+  if (kind == 5) return rods(rng, (count + 7) / 8);
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 at = uniform_point(rng, -2, 2);
     const double size = kind == 1 ? 1e-3 : 0.5;

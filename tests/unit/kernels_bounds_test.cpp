@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -250,6 +251,53 @@ TEST(Kernels, WhatIsTooLargeToBeSquaredIsEverywhere) {
   }
 }
 
+TEST(Kernels, BoundsAlongSlabsNeverExceedDistances) {
+  // A vertex of one model is at or next to the other: rods, and all that some_soup() has, in any pose.
+  Rng rng(219);
+  int better_count = 0, pruned_count = 0, contact_count = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Model a(rods(rng, 1 + rng.below(8), 2.5));
+    const Model b(rng.below(3) == 0 ? some_soup(rng, 1 + rng.below(64)) : rods(rng, 1 + rng.below(8), 2.5));
+    const Transform pose_a = random_pose(rng, rng.below(3) == 0 ? 100 : 1);
+    Transform pose_b = random_pose(rng, 0);
+    const std::vector<Vec3>&points_a = a.mesh().positions(), &points_b = b.mesh().positions();
+    const double apart = rng.below(2) == 0 ? 0 : std::pow(10.0, rng.uniform(-6, 0));
+    pose_b.translation = pose_a(points_a[rng.below(points_a.size())]) - pose_b(points_b[rng.below(points_b.size())]) +
+                         apart * uniform_point(rng);
+    const bool swapped = rng.below(2) == 0;
+    const Placed first{a, pose_a}, second{b, pose_b};
+    Comparison c(swapped ? second : first, swapped ? first : second);
+    bvh::Node without = lowest_node(c.a.model()), other_without = lowest_node(c.b.model());
+    without.elongated_slots = other_without.elongated_slots = 0;
+    for (std::uint32_t slot_b = 0; slot_b < other_without.child_count; ++slot_b) {
+      const Pruning contacts(c.placed, 0);
+      const BoundedChildren touching = c.children(slot_b, false, contacts, contact_sq, false);
+      const auto bounds_without = [&](const Pruning& pruning, float limit_sq, bool has_bounds) {
+        return BoundedChildren(simd::kernels(), without, {&other_without, slot_b, nullptr}, c.frames.of(Side::a),
+                               pruning.of(Side::a), limit_sq, has_bounds);
+      };
+      pruned_count += std::popcount(bounds_without(contacts, contact_sq, false).kept.all & ~touching.kept.all);
+      for (std::uint32_t slot_a = 0; slot_a < without.child_count; ++slot_a) {
+        const ClosestPoints truth = c.truth(slot_a, slot_b);
+        const double cutoff = truth.distance * (1 + 1e-12) + 1e-14;
+        const Pruning pruning(c.placed, cutoff);
+        const BoundedChildren found = c.children(slot_b, false, pruning);
+        ASSERT_TRUE(found.keeps(slot_a)) << "case " << i;
+        ASSERT_LE(found.bound(slot_a, c.a.model()), cutoff) << "case " << i;
+        const double before = bounds_without(pruning, no_limit_sq, true).bound(slot_a, c.a.model());
+        ASSERT_GE(found.bound(slot_a, c.a.model()), before) << "case " << i;
+        better_count += found.bound(slot_a, c.a.model()) > before ? 1 : 0;
+        if (truth.distance > 1e-15 * (1 + length(pose_a.translation))) continue;
+        ASSERT_TRUE(touching.keeps(slot_a) && touching.overlaps(slot_a)) << "case " << i;
+        ++contact_count;
+      }
+    }
+  }
+  EXPECT_GT(better_count, 1000);
+  EXPECT_GT(pruned_count, 50);
+  EXPECT_GT(contact_count, 200);
+}
+
 TEST(Kernels, MergedBoundsHoldTheRimsOfTheirChildren) {
   // Children are disks, most of them across the line to the center of all: then the farthest points are on their rims,
   // and how far the center is from the axis of a disk is lost in rounding.
@@ -267,7 +315,7 @@ TEST(Kernels, MergedBoundsHoldTheRimsOfTheirChildren) {
       n.radius[k] = n.half_x[k] = n.half_y[k] = n.half_z[k] = static_cast<float>(rng.uniform(0.1, 1));
     }
     // The boxes alone decide where the center is.
-    const bvh::MergedBounds around_boxes = simd::kernels().merge_bounds(node);
+    const bvh::MergedBounds around_boxes = simd::kernels().merge_bounds(node, false);
     const Vec3 middle{around_boxes.center[0], around_boxes.center[1], around_boxes.center[2]};
     for (std::uint32_t k = 0; k < node.child_count; ++k) {
       const double tilt = rng.below(4) == 0 ? 1 : std::pow(10.0, rng.uniform(-5, -2));
@@ -276,7 +324,7 @@ TEST(Kernels, MergedBoundsHoldTheRimsOfTheirChildren) {
       const double thickness = n.radius[k] * std::pow(10.0, rng.uniform(-7, 0));
       n.low[k] = -static_cast<float>(thickness), n.high[k] = static_cast<float>(0.5 * thickness);
     }
-    const bvh::MergedBounds whole = simd::kernels().merge_bounds(node);
+    const bvh::MergedBounds whole = simd::kernels().merge_bounds(node, false);
     ASSERT_EQ(middle, (Vec3{whole.center[0], whole.center[1], whole.center[2]}));
     const Vec3 half{whole.half[0], whole.half[1], whole.half[2]};
     const Vec3 normal{whole.normal[0], whole.normal[1], whole.normal[2]};

@@ -263,15 +263,18 @@ TEST(Kernels, AreTheSameToTheBitOnEveryInstructionSet) {
 
 TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
   Rng rng(204);
+  int elongated_count = 0;
+  std::uint32_t elongated_nodes = 0;
   for (int i = 0; i < 500; ++i) {
     const Mesh mesh = some_soup(rng, 1 + rng.below(64));
     const bvh::Tree tree = bvh::build(mesh);
     // The slots beyond the last leaf hold copies of it.
+    const bool sides = i % 4 != 0;
     const auto fitted = [&](const simd::Kernels& set, bvh::Tree& copy, bvh::MergedBounds& whole) {
       copy = tree;
       Node& node = copy.nodes.back();
-      std::memset(&node.bounds, 0, sizeof(node.bounds));
-      whole = set.fit_leaves(mesh.positions().data(), copy.unit, node, copy.leaves);
+      std::memset(&node.bounds, 0, sizeof(node.bounds)), std::memset(&node.sides, 0, sizeof(node.sides));
+      whole = set.fit_leaves(mesh.positions().data(), copy.unit, node, copy.leaves, sides);
     };
     bvh::Tree first, other;
     bvh::MergedBounds first_whole, other_whole;
@@ -280,14 +283,20 @@ TEST(Kernels, FitAlikeToTheBitOnEveryInstructionSet) {
       fitted(set, other, other_whole);
       const Node &a = first.nodes.back(), &b = other.nodes.back();
       ASSERT_TRUE(is_same_to_the_bit(a.bounds, b.bounds)) << set.name << " " << i;
+      ASSERT_TRUE(is_same_to_the_bit(a.sides, b.sides)) << set.name << " " << i;
+      ASSERT_EQ(a.elongated_slots, b.elongated_slots) << set.name << " " << i;
+      elongated_count += a.elongated_slots != 0 ? 1 : 0, elongated_nodes += first_whole.is_elongated;
       ASSERT_EQ(a.origin, b.origin) << set.name;
       ASSERT_EQ(a.radius, b.radius) << set.name;
       ASSERT_TRUE(is_same_to_the_bit(first_whole, other_whole)) << set.name << " " << i;
       ASSERT_EQ(std::memcmp(first.leaves.data(), other.leaves.data(), first.leaves.size() * sizeof(bvh::Leaf)), 0);
-      const bvh::MergedBounds around = simd::scalar_kernels.merge_bounds(a), other_around = set.merge_bounds(b);
+      const bvh::MergedBounds around = simd::scalar_kernels.merge_bounds(a, sides),
+                              other_around = set.merge_bounds(b, sides);
       ASSERT_TRUE(is_same_to_the_bit(around, other_around)) << set.name << " " << i;
     }
   }
+  EXPECT_GT(elongated_count, 100);
+  EXPECT_GT(elongated_nodes, 10U);
 }
 
 TEST(Kernels, MeasureMotionAlikeOnEveryInstructionSet) {

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -22,6 +23,8 @@
 #include "scenes/scenes.h"
 #include "support/random_geometry.h"
 #include "support/rational_geometry.h"
+#include "unit/internals.h"
+#include "unit/kernel_cases.h"
 
 namespace limber::testing {
 namespace {
@@ -49,7 +52,7 @@ TEST(Tree, ShapeDependsOnTheNumberOfTrianglesAlone) {
 TEST(Tree, StaysWithinItsMemory) {
   const Model sheet(scenes::grid(200, 200, 0, 0, 1, 1));
   const double bytes = static_cast<double>(sheet.tree_stats().bytes);
-  EXPECT_LE(bytes / static_cast<double>(sheet.mesh().triangles().size()), 43);
+  EXPECT_LE(bytes / static_cast<double>(sheet.mesh().triangles().size()), 44);
 }
 
 TEST(Tree, UnitIsTheNextPowerOfTwo) {
@@ -76,6 +79,7 @@ TEST(Tree, IsTheSameOnAnyNumberOfThreads) {
   ASSERT_EQ(one.leaves.size(), many.leaves.size());
   for (std::size_t i = 0; i < one.nodes.size(); ++i) {
     ASSERT_EQ(std::memcmp(&one.nodes[i].bounds, &many.nodes[i].bounds, sizeof(bvh::ChildBounds)), 0) << i;
+    ASSERT_EQ(std::memcmp(&one.nodes[i].sides, &many.nodes[i].sides, sizeof(bvh::SlabSides)), 0) << i;
     ASSERT_EQ(one.nodes[i].origin, many.nodes[i].origin) << i;
   }
   EXPECT_EQ(std::memcmp(one.leaves.data(), many.leaves.data(), one.leaves.size() * sizeof(bvh::Leaf)), 0);
@@ -93,6 +97,16 @@ bool holds_exactly(const Tree& tree, std::uint32_t node_id, std::uint32_t slot, 
   const Rational r = exact(n.radius[slot]);
   const Rational h = x * exact(n.normal_x[slot]) + y * exact(n.normal_y[slot]) + z * exact(n.normal_z[slot]);
   const auto within = [](const Rational& value, const Rational& limit) { return value <= limit && -value <= limit; };
+  // Directions as float64 has them, which are off by less than a hundredth of a step.
+  const Vec3 normal{n.normal_x[slot], n.normal_y[slot], n.normal_z[slot]};
+  const Vec3 side = bvh::in_plane(normal, node.sides.turn[slot]), sides[2] = {side, cross(normal, side)};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Rational at =
+        (x * Rational(sides[k].x) + y * Rational(sides[k].y) + z * Rational(sides[k].z)) * exact(bvh::max_side);
+    if (at < r * Rational(static_cast<double>(node.sides.low[k][slot])) ||
+        at > r * Rational(static_cast<double>(node.sides.high[k][slot])))
+      return false;
+  }
   return x * x + y * y + z * z <= r * r && within(x, exact(n.half_x[slot])) && within(y, exact(n.half_y[slot])) &&
          within(z, exact(n.half_z[slot])) && h >= exact(n.low[slot]) && h <= exact(n.high[slot]);
 }
@@ -161,6 +175,8 @@ TEST(Tree, BoundsHoldInExactArithmetic) {
   for (int i = 0; i < 10; ++i) require_exact_bounds(crowds(rng, 4, 70), 100 + i);
   for (int i = 0; i < 20; ++i) require_exact_bounds(crowds(rng, 24, 8), 110 + i);
   require_exact_bounds(scenes::ball(40, 21), 200);
+  for (int i = 0; i < 10; ++i) require_exact_bounds(rods(rng, 40), 300 + i);
+  require_exact_bounds(scenes::alpha_puzzle().robot, 310);
 }
 
 TEST(Tree, ValidateNamesWhatIsBroken) {
@@ -198,6 +214,64 @@ TEST(Tree, ValidateNamesWhatIsBroken) {
     ASSERT_FALSE(static_cast<bool>(result)) << i;
     EXPECT_TRUE(result.error().text.starts_with(damages[i].first)) << i << ": " << result.error().text;
   }
+}
+
+TEST(Tree, ValidateNamesSidesThatAreBroken) {
+  Rng rng(212);
+  const Mesh mesh = rods(rng, 40);
+  const Tree sound = bvh::build(mesh);
+  const std::size_t last = sound.nodes.size() - 1;
+  ASSERT_NE(sound.nodes[last].elongated_slots & 1, 0U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (const bool is_low : {true, false}) {
+      Tree tree = sound;
+      bvh::SlabSides& sides = tree.nodes[last].sides;
+      std::int16_t& steps = (is_low ? sides.low : sides.high)[k][0];
+      steps = static_cast<std::int16_t>(steps + (is_low ? 3 : -3));
+      const auto result = bvh::validate(tree, mesh);
+      ASSERT_FALSE(static_cast<bool>(result)) << k;
+      EXPECT_TRUE(result.error().text.starts_with("I4")) << result.error().text;
+    }
+  }
+}
+
+TEST(Tree, FitsSidesOfWhatIsElongated) {
+  Rng rng(213);
+  const Mesh mesh = rods(rng, 64);
+  Model model(mesh, {.rebuild_policy = RebuildPolicy::off});
+  const auto elongated_in = [](const Tree& tree) {
+    int count = 0;
+    for (const bvh::Node& node : tree.nodes) count += std::popcount(node.elongated_slots);
+    return count;
+  };
+  const auto elongated_count = [&] { return elongated_in(tree_of(model)); };
+  const int built = elongated_count();
+  EXPECT_GT(built, 30);
+  // Turned as a whole, rods stay rods: their sides turn with them.
+  std::vector<Vec3> turned = mesh.positions();
+  const Transform pose = random_pose(rng, 1);
+  for (Vec3& p : turned) p = pose(p);
+  model.move_all(turned).value();
+  model.commit();
+  ASSERT_TRUE(static_cast<bool>(model.validate()));
+  EXPECT_GT(elongated_count(), built * 3 / 4);
+  // As specks they are no rods any more, nor as rods again, until the tree is built anew.
+  model.move_all(std::vector<Vec3>(turned.size())).value();
+  model.commit();
+  std::vector<Vec3> specks;
+  for (std::size_t i = 0; i < turned.size(); ++i) specks.push_back(uniform_point(rng));
+  model.move_all(specks).value();
+  model.commit();
+  ASSERT_TRUE(static_cast<bool>(model.validate()));
+  EXPECT_LT(elongated_count(), built / 4);
+  model.move_all(mesh.positions()).value();
+  model.commit();
+  ASSERT_TRUE(static_cast<bool>(model.validate()));
+  EXPECT_LT(elongated_count(), built / 4);
+  Tree fitted = tree_of(model);
+  for (std::uint32_t node = fitted.first_lowest_node(); node-- > 0;) bvh::fit_upper_node(fitted, mesh, node);
+  ASSERT_TRUE(static_cast<bool>(bvh::validate(fitted, mesh)));
+  EXPECT_EQ(elongated_in(fitted), built);
 }
 
 TEST(Tree, ValidateCountsLevels) {
