@@ -133,13 +133,15 @@ LIMBER_KERNEL void find_boxes_and_areas(const CornerArrays& corners, BoxesAndAre
     const WidePacket none = duplicated(zero()), scales = duplicated(scale);
     Triple<WidePacket> sums[2 / corners_at_once];
     for (Triple<WidePacket>& sum : sums) sum = {none, none, none};
-    Triple<WidePacket> edges = {none, none, none};
+    Triple<WidePacket> edge_sums[2 / corners_at_once];  // likewise
+    for (Triple<WidePacket>& edges : edge_sums) edges = {none, none, none};
     for (std::uint32_t j = 0; j < width; j += corners_at_once) {
       Triple<WidePacket>& sum = sums[j % 2 / corners_at_once];
       const Triple<WidePacket> p = corners.at<WidePacket>(corner_index(0, j), i);
       const Triple<WidePacket> edge_b = (corners.at<WidePacket>(corner_index(1, j), i) - p) * scales;
       const Triple<WidePacket> edge_c = (corners.at<WidePacket>(corner_index(2, j), i) - p) * scales;
       sum = sum + aligned(cross(edge_b, edge_c), sum);
+      Triple<WidePacket>& edges = edge_sums[j % 2 / corners_at_once];
       if (with_sides) edges = edges + aligned(edge_b, edges), edges = edges + aligned(edge_c, edges);
     }
     const Packet3 even{first_of(sums[0].x), first_of(sums[0].y), first_of(sums[0].z)};
@@ -149,10 +151,10 @@ LIMBER_KERNEL void find_boxes_and_areas(const CornerArrays& corners, BoxesAndAre
     store3(low, found.low, i), store3(high, found.high, i);
     store3(sum * (extent * extent), found.area, i);
     if (!with_sides) continue;
-    const Packet3 first{first_of(edges.x), first_of(edges.y), first_of(edges.z)};
-    const Packet3 second = corners_at_once == 1 ? Packet3{zero(), zero(), zero()}
-                                                : Packet3{last_of(edges.x), last_of(edges.y), last_of(edges.z)};
-    store3((first + aligned(second, first)) * extent, found.edge, i);
+    const Triple<WidePacket>&first_edges = edge_sums[0], &last_edges = edge_sums[2 / corners_at_once - 1];
+    const Packet3 even_edges{first_of(first_edges.x), first_of(first_edges.y), first_of(first_edges.z)};
+    const Packet3 odd_edges{last_of(last_edges.x), last_of(last_edges.y), last_of(last_edges.z)};
+    store3((even_edges + aligned(odd_edges, even_edges)) * extent, found.edge, i);
   }
 }
 
