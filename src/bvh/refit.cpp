@@ -228,7 +228,7 @@ class Refitter {
     if (i == 0) return false;  // no slot stands for the header; where it is the lowest node, it is fitted now
     const Volume before = volume_of_slot(parent, slot);
     store(parent, slot, node.origin, volume, 1 / tree_.unit);
-    const bool was_coincident = (parent.coincident_slots >> slot & 1) != 0;
+    const bool was_coincident = has_slot(parent.coincident_slots, slot);
     const bool is_coincident = all_coincide(node, node_is_lowest);
     mark(parent.coincident_slots, slot, is_coincident);
     // The radius of the root slot depends on the slots of the top node's children themselves.
@@ -290,7 +290,7 @@ class Refitter {
       // A cheap test that nearly always says no: quantized x of corner 0 in the first leaf, equal for equal corners.
       const std::int16_t(&row)[width] = tree_.leaves[node.first_child].corners.corner[0];
       if (!std::all_of(row, row + width, [&](std::int16_t x) { return x == row[0]; })) return false;
-    } else if (node.coincident_slots != (1U << node.child_count) - 1) {
+    } else if (node.coincident_slots != used_slots(node)) {
       return false;
     }
     // All triangles of a lowest node are compared; above, one stands for each slot, as all slots are marked coincident.

@@ -264,7 +264,7 @@ LIMBER_KERNEL KeptSlots bound_children(const bvh::Node& node, const SlotRef& oth
                      : bound_packet<false>(node.bounds, i, projected, transform, along, limit_sq, order, bound_sq);
     kept.all |= these.all << i, kept.overlapping |= these.overlapping << i, kept.larger |= these.larger << i;
   }
-  const unsigned used = (1U << node.child_count) - 1;
+  const unsigned used = bvh::used_slots(node);
   kept = {kept.all & used, kept.overlapping & used, kept.larger & used};
   if (kept.all != 0 && ((node.elongated_slots & kept.all) | (other.node->elongated_slots >> other.slot & 1)) != 0)
       [[unlikely]] {

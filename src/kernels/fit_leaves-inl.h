@@ -366,7 +366,7 @@ LIMBER_KERNEL bvh::MergedBounds fit_leaves(const Vec3* positions, double unit, b
     farthest = max(farthest, sqrt(dot(in_units, in_units)) * Packet::set(base::squares_up) + fitted.radius);
   }
   node.radius = (largest(farthest) + base::smallest_corner_error) * base::squares_up;
-  node.elongated_slots = elongated & ((1U << node.child_count) - 1);
+  node.elongated_slots = elongated & bvh::used_slots(node);
   quantize(gathered.corners, n, shift, node.child_count, leaves.data());
   return bound_of<with_sides>(frame, all);
 }

@@ -34,11 +34,11 @@ struct alignas(64) ChildBounds {
 };
 static_assert(sizeof(ChildBounds) == 12 * 4 * width);
 
-/// What cuts the slab of an elongated child to a box: the intervals of its content along two directions in the slab's
-/// plane, perpendicular to each other. The first is turned by the angle asin(turn / max_quantized), at most 45 degrees,
-/// from a direction that follows from the normal (in_plane() in bvh/tree.h). Heights over the center are fractions of
-/// the sphere's radius, h = radius * low / max_side, rounded outward by more than a step. Children that are not
-/// elongated have the intervals of the sphere.
+/// For an elongated child, the intervals of its content along two directions in the plane of its slab, perpendicular to
+/// each other: with the slab they make a box. The first direction is turned by the angle asin(turn / max_quantized), at
+/// most 45 degrees, from a direction that follows from the normal (in_plane() in bvh/tree.h). Heights over the center
+/// are fractions of the sphere's radius, h = radius * low / max_side, rounded outward by more than a step. A child that
+/// is not elongated has the intervals of the sphere.
 struct alignas(16) SlabSides {
   std::int16_t turn[width];                    // 16 bytes
   std::int16_t low[2][width], high[2][width];  // 64
@@ -65,7 +65,7 @@ struct alignas(64) Node {
   std::uint32_t child_count;       //   4         slots in use, the first ones
   std::uint32_t parent;            //   4         slot whose child this is, 8 * node + slot; the header, node 0, has 0
   std::uint32_t coincident_slots;  //   4         mask: all triangles below have the same positions, corner by corner
-  std::uint32_t elongated_slots;   //   4         mask: of SlabSides; as long as they are not fitted, all
+  std::uint32_t elongated_slots;   //   4         mask: children that are elongated; before the first fit all
 };
 static_assert(sizeof(Node) == 512);
 
