@@ -8,7 +8,8 @@
 //   3. the gap along the normal of either slab, with the gap of the spheres across it (slab_sq);
 //   4. the gap along the line of centers (slab_sq).
 // A fifth, the gap along the search direction, prunes on its own (compare_along). Where a child that is left or the
-// other slot is elongated, bound 6 is the distance of the boxes along their slabs (compare_along_slabs).
+// other slot is elongated, bound 6 is the distance of the boxes along their slabs, or the gap across the longest axes of
+// both (compare_along_slabs).
 
 #if defined(LIMBER_SIMD_BOUND_CHILDREN_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_CHILDREN_INL_H
@@ -224,6 +225,22 @@ LIMBER_KERNEL OrientedGaps oriented_gaps(const OrientedBoxes& boxes, const Orien
           {abs(height_o[0]) - half_o[0], abs(height_o[1]) - half_o[1], abs(height_o[2]) - half_o[2]}};
 }
 
+// Longest axes that enclose a smaller angle, its squared sine, have no direction across both that rounding leaves.
+inline constexpr float least_sine_sq = 0x1p-6F;
+
+/// The gap along the direction across the longest axes of both boxes, which parts two rods that pass each other at an
+/// angle. Negative where they overlap; 0 where these axes are nearly parallel.
+LIMBER_KERNEL Packet gap_across(const OrientedBoxes& boxes, const OrientedBoxes& other, const Packet3& d) {
+  const Packet3 long_axis = select(boxes.half[1] >= boxes.half[2], boxes.axis[1], boxes.axis[2]);
+  const Packet3 long_axis_o = select(other.half[1] >= other.half[2], other.axis[1], other.axis[2]);
+  const Packet3 normal = cross(long_axis, long_axis_o);
+  const Packet sine_sq = dot(normal, normal), height = dot(normal, d);
+  const TwoSupports own = supports(boxes, normal), others = supports(other, normal);
+  const Packet gap = max(height - own.above - others.below, zero() - height - own.below - others.above);
+  const Packet rounding = (abs(d.x) + abs(d.y) + abs(d.z)) * Packet::set(base::projection_error);
+  return select(sine_sq >= Packet::set(least_sine_sq), (gap - rounding) / sqrt(sine_sq), zero());
+}
+
 /// Raises the bounds of kept children by the boxes along slabs, and returns the children that are left. Apart from
 /// bound_children(), as few nodes need it.
 LIMBER_KERNEL_APART KeptSlots compare_along_slabs(const bvh::Node& node, const SlotRef& other,
@@ -235,9 +252,11 @@ LIMBER_KERNEL_APART KeptSlots compare_along_slabs(const bvh::Node& node, const S
   const OrientedBoxes box = oriented_box(other, projected, transform);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet3 d = broadcast(projected.center) - centers(node.bounds, i);
-    const OrientedGaps g = oriented_gaps(oriented_boxes(node, i), box, d);
-    const Packet gap_sq =
-        max(length_of_gaps_sq(g.own), length_of_gaps_sq(g.other)) * Packet::set(1 - base::sides_error);
+    const OrientedBoxes own = oriented_boxes(node, i);
+    const OrientedGaps g = oriented_gaps(own, box, d);
+    const Packet across = max(gap_across(own, box, d), zero());
+    const Packet gap_sq = max(max(length_of_gaps_sq(g.own), length_of_gaps_sq(g.other)), across * across) *
+                          Packet::set(1 - base::sides_error);
     const Mask is_better = gap_sq > zero();
     const Packet before = Packet::load(order + i);
     select(is_better, max(before, gap_sq), before).store(order + i);
