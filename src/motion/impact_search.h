@@ -172,7 +172,7 @@ class ImpactsOfLeaves {
     return false;
   }
   static constexpr void count_step() {}
-  static constexpr bool prepare_visit(const SlotPair&, bool) { return false; }
+  static constexpr bool prepare_visit(const SlotPair&) { return false; }
 
   /// Where a search has ended early: a time before which none of the pairs touches that are left of the leaves that
   /// were compared last. It is not better than that of the leaves. Infinite if nothing is left.

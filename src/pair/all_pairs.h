@@ -32,7 +32,7 @@ class AllOfLeaves {
 
   bool has_to_end() { return collector_.is_done() || search_.meter.is_spent(steps_); }
   void count_step() { ++steps_; }
-  static constexpr bool prepare_visit(const NodePair&, bool) { return false; }
+  static constexpr bool prepare_visit(const NodePair&) { return false; }
 
   [[gnu::always_inline]] bool compare(const NodePair& pair, bool, double&) {
     if constexpr (ComparesLeaves<Collector>) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "base/check.h"
 #include "geometry/primitives.h"
@@ -34,12 +35,12 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
 /// The visitor of PairWalk that looks for the best pairs, or for any. Pruning defines cutoff, best distance and search
 /// direction. Two leaves are compared in these steps:
 ///   1. The search direction may prune them as a whole: tested while that often succeeds (WholeLeaves).
-///   2. Where a descent has ended, one contact or one near pair is looked for, to lower the cutoff.
+///   2. Where the first descent has ended, one contact is looked for.
 ///   3. A kernel lists the candidates: the pairs of triangles that it cannot prune.
 ///   4. The candidates are compared, the one of least bound first. Each may lower the cutoff, and prune others.
 ///
-/// The cutoff is lowered early by two guesses, whose state is in TraversalState: descents straight down to two leaves
-/// (Descents), and the seed, a pair of triangles over a flat part that is likely to be the closest (FlatSeed).
+/// The cutoff is lowered early by two guesses, whose state is in TraversalState: the descent straight down to two leaves
+/// (BucketOrder), and the seed, a pair of triangles over a flat part that is likely to be the closest (FlatSeed).
 template <typename Collector>
 class BestOfLeaves {
  public:
@@ -69,17 +70,8 @@ class BestOfLeaves {
       if (std::isinf(distance) || distance < collector_.initial_cutoff()) state_.seed.make_due();
     }
   }
-  /// Before `pair` is visited: compares the seed and begins a descent, if they are due. Returns whether the cutoff may
-  /// have changed. `follows_front` says that a front is recorded, whose records may have given a close pair.
-  bool prepare_visit(const NodePair& pair, bool follows_front) {
-    if constexpr (looks_for_closest) {
-      const bool has_compared = compare_seed_if_due(pair);
-      // While a pair that overlaps is queued, it is followed down to its leaves anyway.
-      if (state_.descents.is_due(state_.steps) && state_.queue.has_only_ordered()) descend_or_postpone(follows_front);
-      return has_compared;
-    }
-    return false;
-  }
+  /// Before `pair` is visited: compares the seed if it is due. Returns whether the cutoff may have changed.
+  bool prepare_visit(const NodePair& pair) { return compare_seed_if_due(pair); }
   /// Compares the seed if it is due. Returns whether it did. Not where `next`, which is visited next, will be pruned:
   /// as that is among the nearest pairs, the query is nearly over, and a seed would come too late.
   bool compare_seed_if_due(const NodePair& next) {
@@ -98,8 +90,7 @@ class BestOfLeaves {
     const simd::SelfPair leaves{bounds_.leaf(Side::a, pair), bounds_.leaf(Side::b, pair)};
     a_.take(leaves.a);
     b_.take(leaves.b);
-    const Descents::Arrival arrival = state_.descents.arrive_at_leaves(state_.steps);
-    const bool may_be_in_contact = arrival.is_first && arrival.has_descended && pair.bound_sq == 0;
+    const bool may_be_in_contact = std::exchange(state_.is_descending, false) && pair.bound_sq == 0;
     simd::Candidates found;
     if constexpr (looks_for_closest) {
       if (state_.whole_leaves.are_tested()) {
@@ -108,10 +99,6 @@ class BestOfLeaves {
         if (is_pruned) return true;
       }
       if (may_be_in_contact && find_contact(leaf_a, leaf_b, found)) return false;
-      if (arrival.has_descended && search_.pruning.has_error()) {
-        look_nearer(leaf_a, leaf_b, found);
-        if (collector_.is_done()) return false;
-      }
     }
     kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), search_.pruning.of(Side::a),
                              Collector::is_self ? &leaves : nullptr, needs_bound, found);
@@ -137,23 +124,16 @@ class BestOfLeaves {
 
   std::uint64_t steps() const { return state_.steps - first_step_; }
 
-  /// Begins a descent; where a front or a seed has given a close pair already, postpones it. Not inlined: it is rare.
-  [[gnu::noinline]] void descend_or_postpone(bool follows_front) {
-    const bool is_close = follows_front || state_.seed.was_close();
-    is_close ? state_.descents.postpone(state_.steps) : state_.descents.start(state_.steps);
-  }
-
   /// Compares the seed. False if there is none. Not inlined: it is rare.
   [[gnu::noinline]] bool compare_seed() {
     const std::optional<TrianglePair> likely = state_.seed.find(search_.placed, search_.stats);
     if (!likely) return false;
-    state_.descents.stop();
+    state_.is_descending = false;
     ++search_.stats.primitive_tests;
     const PlacedTriangle a = placed_triangle(search_.placed, Side::a, likely->a);
     const PlacedTriangle b = placed_triangle(search_.placed, Side::b, likely->b);
     if (const auto update = collector_.compare(a, b)) {
       search_.pruning.update(*update);
-      state_.seed.note_close();
       state_.whole_leaves.allow_many();
     }
     return true;
@@ -224,20 +204,6 @@ class BestOfLeaves {
     return false;
   }
 
-  /// Compares the nearest candidate of two leaves if it may be nearer than the best pair, also where the cutoff prunes
-  /// it. For leaves at which a descent has ended: a nearer pair lowers the cutoff further.
-  [[gnu::noinline]] void look_nearer(const simd::SlotRef& leaf_a, const simd::SlotRef& leaf_b,
-                                     simd::Candidates& found) {
-    simd::PruneLimits nearer = search_.pruning.of(Side::a);
-    nearer.distance = search_.pruning.best_distance();
-    kernels_.find_candidates(leaf_a, leaf_b, search_.frames.of(Side::a), nearer, nullptr, false, found);
-    if (found.count == 0) return;
-    const std::uint32_t i = nearest_of(found);
-    ++search_.stats.primitive_tests;
-    const auto update = collector_.compare(a_.at(found.pairs[i].slot_a), b_.at(found.pairs[i].slot_b));
-    if (update) search_.pruning.update(*update);
-  }
-
   Search search_;
   const NodeBounds<Collector>& bounds_;
   Collector& collector_;
@@ -281,7 +247,7 @@ class BestFirst {
     if (may_descend_at_once && !search_.meter.is_limited()) {
       order_.follow_cutoff();  // sets the limits, which tell whether to compare a seed
       if (leaves_.compare_seed_if_due(roots)) order_.follow_cutoff();
-      if (state_.descents.is_descending()) return walk_.descend(roots);
+      if (state_.is_descending) return walk_.descend(roots);
     }
     order_.add_first(roots);
   }

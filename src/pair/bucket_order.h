@@ -27,9 +27,6 @@ class BucketQueue {
  public:
   bool empty() const { return stack_size_ == 0 && filled_ == 0; }
 
-  /// Whether there are pairs, and none that is taken before all others.
-  bool has_only_ordered() const { return stack_size_ == 0 && filled_ != 0; }
-
   /// Adds a pair that is taken before all others.
   void push_first(const NodePair& pair) {
     LIMBER_ASSERT(stack_size_ < stack_capacity);
@@ -141,56 +138,16 @@ class BucketQueue {
   float least_ = 0, buckets_per_bound_ = 0;
 };
 
-/// Decides when a traversal descends: goes straight down to two leaves, always to the nearest child, instead of taking
-/// the nearest pair of all. Best first alone comes to leaves late, so the cutoff would stay large for long. So a
-/// traversal begins with a descent, and descends again from time to time (docs/design/one_query.md).
-class Descents {
- public:
-  bool is_descending() const { return descends_; }
-  /// Whether to begin another descent.
-  bool is_due(std::uint64_t steps) const { return steps >= next_; }
-
-  /// Begins a descent that is due, and sets when the next one is due.
-  void start(std::uint64_t steps) {
-    postpone(steps);
-    descends_ = true;
-  }
-  /// Leaves out a descent that is due, and sets when the next one is due.
-  void postpone(std::uint64_t steps) {
-    descends_ = false;
-    next_ = factor * steps;
-  }
-  void stop() { descends_ = false; }
-  /// How a traversal has come to two leaves: to the first that it compares, and straight down.
-  struct Arrival {
-    bool is_first, has_descended;
-  };
-  /// Notes that two leaves are compared, which ends a descent.
-  Arrival arrive_at_leaves(std::uint64_t steps) {
-    const bool is_first = next_ == never;
-    next_ = std::max(is_first ? 0 : next_, steps + steps_between);
-    return {is_first, std::exchange(descends_, false)};
-  }
-
- private:
-  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  // A descent begins after so many steps without comparing leaves, and not before the number of steps is so many times
-  // what it was at the last descent. No answer depends on it: more lower the cutoff sooner, and more are in vain.
-  static constexpr std::uint64_t steps_between = 9, factor = 3;
-
-  std::uint64_t next_ = never;
-  bool descends_ = true;
-};
-
 /// What BucketOrder carries from one step to the next.
 struct BucketState {
   BucketQueue queue;
   float least_sq = 0, focus_sq = no_limit_sq;  // the bounds between which its buckets lie
-  Descents descents;                           // when to go straight down to two leaves, so that the cutoff is low soon
+  bool is_descending = true;                   // whether no two leaves have been compared yet
 };
 
 /// The order of PairWalk that goes best first. Pairs whose volumes overlap are taken first, the deepest overlap on top
-/// of a stack; then the nearest, by buckets (BucketQueue). In a descent the nearest child comes next.
+/// of a stack; then the nearest, by buckets (BucketQueue). Best first alone comes to leaves late, so that the cutoff
+/// stays large for long. So a traversal begins with a descent straight down to two leaves, always to the nearest child.
 template <Hits hits>
 class BucketOrder {
  public:
@@ -221,13 +178,13 @@ class BucketOrder {
   void add_itself(const NodePair& pair) { state_.queue.push_first(pair); }
   /// Queues a pair whose bound has been raised, but in a descent, which goes on with it.
   bool takes_raised(const NodePair& pair) {
-    if (state_.descents.is_descending()) return false;
+    if (state_.is_descending) return false;
     state_.queue.push(pair);
     return true;
   }
   template <typename Bounds>
   void add(const Expansion& e, const Bounds& bounds) {
-    add(e, bounds, state_.descents.is_descending());
+    add(e, bounds, state_.is_descending);
   }
   /// Queues the children that were kept: those that overlap on the stack, the deepest on top, the others in the
   /// buckets.

@@ -38,7 +38,7 @@ std::optional<TrianglePair> likely_pair(const PlacedPair& placed, const FlatPart
 
 /// The seed of a traversal where one model is flat: a pair of triangles that is likely to be the closest. It is looked
 /// for at the roots first (make_due()), and if these are not flat, once more near the first leaves that were compared
-/// (look_near()); find() gives it, and note_close() says that it was the closest known.
+/// (look_near()); find() gives it.
 class FlatSeed {
  public:
   void make_due() { state_ = State::due; }
@@ -51,8 +51,6 @@ class FlatSeed {
     state_ = State::due;
   }
   bool is_due() const { return state_ == State::due; }
-  void note_close() { was_close_ = true; }
-  bool was_close() const { return was_close_; }
 
   /// The pair, if there is a flat part. Pre: is_due().
   std::optional<TrianglePair> find(const PlacedPair& placed, QueryStats& stats) {
@@ -72,7 +70,6 @@ class FlatSeed {
   static constexpr double least_room = -3. / 8;
 
   State state_ = State::none;
-  bool was_close_ = false;
   bvh::SlotId near_[2] = {bvh::root_slot, bvh::root_slot};
 };
 

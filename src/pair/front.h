@@ -287,7 +287,7 @@ class FrontRecorder {
   /// cheaper, or if there are no records.
   bool add_records(TraversalState& state) const {
     const std::span<const Front::Record> records = front_.records();
-    state.descents.stop();
+    state.is_descending = false;
     std::size_t queued = 0;
     state.least_sq = largest_bound_sq;
     for (std::size_t i = 0; i < records.size(); ++i) {

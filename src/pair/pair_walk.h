@@ -69,7 +69,7 @@ class PairWalk {
     while (!order_.empty() && !visitor_.has_to_end()) {
       Expansion e;
       e.pair = order_.take();
-      if (visitor_.prepare_visit(e.pair, observer_.is_recording())) order_.follow_cutoff();
+      if (visitor_.prepare_visit(e.pair)) order_.follow_cutoff();
       visit(e);
     }
   }

@@ -26,7 +26,6 @@ enum class Ties { skipped, compared };
 ///                     shrinks, so all that has been pruned is at least so far apart.
 ///   prune distance    distance(): the cutoff, or for tiny models a larger distance, which float32 bounds can resolve.
 ///   limit             The prune distance, squared and in the unit of a tree: SquaredLimits.
-///   best distance     That of the best pair so far. Where an error is allowed, the cutoff is below it.
 ///   search direction  The one in which the best pair is apart: most pairs are at least as far apart along it. There is
 ///                     one once a pair that is apart has been compared.
 class Pruning {
@@ -42,10 +41,6 @@ class Pruning {
   double cutoff() const { return cutoff_; }
   /// The prune distance.
   double distance() const { return in_frame_[0].distance; }
-  /// 0 if no pair has lowered the cutoff.
-  double best_distance() const { return best_distance_; }
-  /// Whether pairs nearer than the best are pruned, because an error is allowed.
-  bool has_error() const { return best_distance_ > distance(); }
   bool has_direction() const { return in_frame_[0].has_direction; }
   /// Whether ties are skipped now. Rounding may make a skipped pair a little nearer.
   bool skips_ties() const { return skips_ties_; }
@@ -57,7 +52,6 @@ class Pruning {
   void update(const BoundUpdate& update) {
     if (update.cutoff < infinity) {
       set_cutoff(std::min(cutoff_, update.cutoff));
-      best_distance_ = update.distance;
       skips_ties_ = may_skip_ties_ && distance() == update.distance;
     }
     const double length = limber::length(update.separation);
@@ -155,7 +149,6 @@ class Pruning {
   const PlacedPair& placed_;
   double cutoff_;
   simd::PruneLimits in_frame_[2];
-  double best_distance_ = 0;
   double skips_from_ = infinity;  // ties are skipped while the cutoff is at least that
   bool may_skip_ties_ = false;
   bool skips_ties_ = false;  // whether there is an answer, and only a better one matters

@@ -46,7 +46,7 @@ struct TraversalState : BucketState {
     queue.clear();
     least_sq = 0, focus_sq = no_limit_sq;
     steps = work = 0;
-    descents = {}, whole_leaves = {}, seed = {};
+    is_descending = true, whole_leaves = {}, seed = {};
   }
 };
 

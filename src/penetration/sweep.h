@@ -96,7 +96,7 @@ class Sweep {
     return true;
   }
   static constexpr void count_step() {}
-  static constexpr bool prepare_visit(const Pair&, bool) { return false; }
+  static constexpr bool prepare_visit(const Pair&) { return false; }
   static constexpr bool prunes(const Pair&, double&) { return false; }
   bool are_leaves(const Pair& pair) const { return is_leaf(a_, pair.a) && is_leaf(b_, pair.b); }
   template <bool raises>

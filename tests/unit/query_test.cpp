@@ -131,22 +131,6 @@ TEST(Queries, FindTheClosestOfManyNearlyClosestPairs) {
   }
 }
 
-// The first pair of triangles is seldom close, and best first comes late to others.
-TEST(Queries, WithAnErrorFindCloserPairsOnTheirWay) {
-  const Model model(scenes::ring(40, 40, 0.1));
-  std::uint64_t node_tests = 0;
-  for (std::uint32_t index = 0; index < 16; ++index) {
-    const Transform pose = scenes::linked_ring(index);
-    const double truth = distance({model}, {model, pose}).upper;
-    const DistanceResult close = distance({model}, {model, pose}, {.relative_error = 0.3});
-    EXPECT_LE(close.lower, truth);
-    EXPECT_GE(close.upper, truth);
-    EXPECT_LE(close.upper, 1.3 * truth);
-    node_tests += close.stats.node_tests;
-  }
-  EXPECT_LE(node_tests, 12'000U);  // 16 100 with one descent, or if no nearer pairs are looked for where others end
-}
-
 // All slabs of a flat disk have thickness 0, but where the search direction runs along it, its nodes reach farther.
 TEST(Queries, TakeApartAFlatDiskThatStandsOverAFloor) {
   const Mesh floor = scenes::grid(64, 64, -1, -1, 1.0 / 32, 1.0 / 32);
