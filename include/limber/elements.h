@@ -127,7 +127,7 @@ LIMBER_API ElementPairCount self_element_pairs(const Model& model, double margin
                                                std::span<EdgeEdgePair> edge_edge,
                                                const ElementPairOptions& options = {});
 
-/// Two features that are close: the smallest ones that hold the closest points of one or several pairs of elements. They
+/// Two features that are close: the smallest ones that hold the closest points of one or more pairs of elements. They
 /// are two vertices, a vertex and an edge, a vertex and a face, or two edges, one of a and one of b.
 ///
 /// For one model a is the vertex if the other is none, and otherwise the one of the smaller id.
@@ -185,7 +185,7 @@ struct FeaturePairOptions {
 ///          normal of the face by its corners, out of a or into b; the cross product of both edges, a first; a
 ///          perpendicular of an edge, where these are parallel or there is but one; the z axis.
 /// Order    As visit_element_pairs() finds them first.
-/// Throws   As visit_element_pairs(); std::bad_alloc. `found` then has some of the pairs.
+/// Throws   As visit_element_pairs(); std::bad_alloc. `found` then has no pairs that mean something.
 /// Budget   As visit_element_pairs(); multiplicities count the pairs of elements that were found.
 /// Cost     That of visit_element_pairs(), and O(1) for each of its pairs.
 /// Source   Features and multiplicities as in [LiFerguson2020]; docs/algorithms/contacts.md.

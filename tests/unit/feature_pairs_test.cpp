@@ -112,21 +112,22 @@ TEST(FeaturePairs, InsideOfFacesAndOfBothEdgesComeOnce) {
 }
 
 TEST(FeaturePairs, ThatMeetHaveTheNormalsThatAreDocumented) {
+  constexpr double hardly = 0x1p-40;  // rounding puts single pairs of elements beyond 0
   const Model floor(small_mesh({{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}}, {{0, 1, 2}})), tip(pyramid(6, 1));
-  const FeaturePair of_face = only_pair({floor}, {tip}, 0);
+  const FeaturePair of_face = only_pair({floor}, {tip}, hardly);
   EXPECT_EQ(of_face.distance, 0);
   EXPECT_EQ(of_face.normal, (Vec3{0, 0, 1}));
-  EXPECT_EQ(only_pair({tip}, {floor}, 0).normal, (Vec3{0, 0, -1}));
+  EXPECT_EQ(only_pair({tip}, {floor}, hardly).normal, (Vec3{0, 0, -1}));
   const Model ridge(book(2));
-  const FeaturePair of_edges = only_pair({ridge}, {ridge, {{{0, -1, 0}, {-1, 0, 0}, {0, 0, -1}}, {}}}, 0);
+  const FeaturePair of_edges = only_pair({ridge}, {ridge, {{{0, -1, 0}, {-1, 0, 0}, {0, 0, -1}}, {}}}, hardly);
   expect_kinds(of_edges, FeatureKind::edge, FeatureKind::edge, 1);
   EXPECT_EQ(of_edges.normal, (Vec3{0, 0, -1}));  // x axis times the negative y axis
-  const FeaturePair of_edge = only_pair({ridge}, {tip, {{}, {1, 0, 0}}}, 0);
+  const FeaturePair of_edge = only_pair({ridge}, {tip, {{}, {1, 0, 0}}}, hardly);
   expect_kinds(of_edge, FeatureKind::edge, FeatureKind::vertex, 2 + 6);
   EXPECT_EQ(of_edge.normal.x, 0);
   EXPECT_EQ(length(of_edge.normal), 1);
   const Model below(pyramid(4, -1));
-  const FeaturePair of_tips = only_pair({below}, {tip}, 0);
+  const FeaturePair of_tips = only_pair({below}, {tip}, hardly);
   expect_kinds(of_tips, FeatureKind::vertex, FeatureKind::vertex, 4 * 6 + 4 + 6);
   EXPECT_EQ(of_tips.normal, (Vec3{0, 0, 1}));
 }
