@@ -10,7 +10,8 @@ Metric          Microseconds a call from Python, medians on one core, by the clo
                 are those of the other library to limber.
 Expected shape  Several times faster than others that answer the same question. Where a mesh is close to itself
                 everywhere, contacts cost what comparing their triangles costs.
-Checked         Elements are those of the IPC Toolkit, and pairs of triangles those of Coal, but for what is at the
+Checked         Elements are those of the IPC Toolkit, and so are features with their multiplicities, once nearly parallel
+                edges that it keeps for its mollifier are taken as what is closest of them; and pairs of triangles those of Coal, but for what is at the
                 margin: up to a billionth of it, and up to the tolerance of Coal's GJK, a thousandth and 1e-6.
 
 Writes contacts.md."""
@@ -19,6 +20,7 @@ from __future__ import annotations
 
 import itertools
 import sys
+from collections import Counter
 from collections.abc import Iterable
 
 import measure
@@ -130,6 +132,53 @@ class Ipc:
                         if p.compute_distance(*where) <= near}
 
 
+    def features(self, margin: float) -> Counter:
+        """Multiplicities of pairs of features, each by its vertices. Of nearly parallel edges the type is what counts."""
+        found: Counter = Counter()
+        collisions = self.collisions(self.positions, margin)
+
+        def add(weight: float, *features: numpy.ndarray) -> None:
+            found[feature_pair(*(self.ids[f] for f in features))] += round(weight)
+
+        for c in collisions.vv_collisions:
+            add(c.weight, [c.vertex0_id], [c.vertex1_id])
+        for c in collisions.ev_collisions:
+            add(c.weight, [c.vertex_id], self.edges[c.edge_id])
+        for c in collisions.fv_collisions:
+            add(c.weight, [c.vertex_id], self.faces[c.face_id])
+        for c in collisions.ee_collisions:
+            kind = c.dtype.name  # EA1_EB: the second end of the first edge, and the second edge
+            ends = [edge[int(part[2]) :][:1] if len(part) > 2 else edge
+                    for part, edge in zip(kind.split("_"), (self.edges[c.edge0_id], self.edges[c.edge1_id]))]
+            add(c.weight, *ends)
+        return found
+
+
+def feature_pair(*vertices: numpy.ndarray) -> tuple[tuple[int, ...], ...]:
+    """Two features by their vertices, in order."""
+    return tuple(sorted((tuple(sorted(map(int, v))) for v in vertices), key=lambda v: (len(v), v)))
+
+
+def features(model: limber3d.Model, margin: float, body: limber3d.Model | None = None) -> Counter:
+    """limber's multiplicities of pairs of features, of a model with itself and with a body."""
+    found: Counter = Counter()
+    answers = [(limber3d.self_feature_pairs(model, margin), 0)]
+    if body is not None:
+        answers.append((limber3d.feature_pairs(model, body, margin), len(model.vertices)))
+    for pairs, shift in answers:
+        names = ("vertices_a", "kind_a", "vertices_b", "kind_b", "multiplicity")
+        for a, kind_a, b, kind_b, multiplicity in zip(*(pairs[name].tolist() for name in names)):
+            found[feature_pair(a[:kind_a + 1], [v + shift for v in b[:kind_b + 1]])] += multiplicity
+    return found
+
+
+def check_features(what: str, least: Counter, found: Counter, most: Counter) -> None:
+    """Whether multiplicities are between those of two answers."""
+    wrong = [pair for pair in least.keys() | found.keys() if not least[pair] <= found[pair] <= most[pair]]
+    if wrong:
+        sys.exit(f"{what}: multiplicities of {len(wrong)} differ")
+
+
 def elements(model: limber3d.Model, margin: float, body: limber3d.Model | None = None) -> set:
     """limber's pairs of elements of a model with itself, and with a body whose ids follow those of the model."""
     ends, shift = model.edges.vertices, len(model.vertices)
@@ -189,6 +238,8 @@ class Contest:
         margin, model, ipc = MARGIN * size_of(mesh), limber3d.Model(*mesh), Ipc(mesh)
         check(f"elements of {name}", elements(model, margin * (1 - 1e-9)), ipc.elements(margin),
               elements(model, margin * (1 + 1e-9)))
+        check_features(f"features of {name}", features(model, margin * (1 - 1e-9)), ipc.features(margin),
+                       features(model, margin * (1 + 1e-9)))
         wave = 6 * numpy.pi / size_of(mesh)
         waved = mesh[0] + 0.01 * size_of(mesh) * (1.5 + numpy.sin(wave * mesh[0][:, [1, 2, 0]]))  # every vertex moves
         broad = ipctk.LBVH()
@@ -215,10 +266,14 @@ class Contest:
         self.compare("self_collide", name, lambda: limber3d.self_collide(model), "yes" if meeting else "no", {
             "IPC Toolkit, with build": (lambda: ipctk.has_intersections(ipc.mesh, ipc.positions, ipctk.LBVH()),
                                         "yes" if theirs else "no")})
+        def self_features() -> limber3d.FeaturePairs:
+            return limber3d.self_feature_pairs(model, margin)
+
         pairs = self_elements()
         for kind, ask, count in (("self_contacts", self_contacts, len(self_contacts())),
                                  ("self_element_pairs", self_elements,
-                                  f"{len(pairs.vertex_face)} + {len(pairs.edge_edge)}")):
+                                  f"{len(pairs.vertex_face)} + {len(pairs.edge_edge)}"),
+                                 ("self_feature_pairs", self_features, len(self_features()))):
             self.compare(kind, name, ask, count, {})
             self.compare(f"move all, commit, {kind}", name, moved(ask), count, self.of_ipc(ipc, [ipc.positions], margin))
 
@@ -254,6 +309,8 @@ class Contest:
         ipc = Ipc(joined(cloths[0], body), len(cloths[0][0]))
         check(f"elements of {name}", elements(model, margin * (1 - 1e-9), other), ipc.elements(margin),
               elements(model, margin * (1 + 1e-9), other))
+        check_features(f"features of {name}", features(model, margin * (1 - 1e-9), other), ipc.features(margin),
+                       features(model, margin * (1 + 1e-9), other))
         states, state = [ipc.of(joined(c, body)[0]) for c in cloths[::-1]], itertools.cycle(cloths[::-1])
 
         def frame(pairs: Call, self_pairs: Call) -> object:
@@ -262,9 +319,10 @@ class Contest:
             return pairs(model, other, margin), self_pairs(model, margin)
 
         for kind, pairs, self_pairs in (("frame", limber3d.contacts, limber3d.self_contacts),
-                                        ("frame of elements", limber3d.element_pairs, limber3d.self_element_pairs)):
+                                        ("frame of elements", limber3d.element_pairs, limber3d.self_element_pairs),
+                                        ("frame of features", limber3d.feature_pairs, limber3d.self_feature_pairs)):
             found = frame(pairs, self_pairs)
-            count = sum(len(f) for f in found) if kind == "frame" else " + ".join(
+            count = sum(len(f) for f in found) if kind != "frame of elements" else " + ".join(
                 str(sum(len(getattr(f, part)) for f in found)) for part in ("vertex_face", "edge_edge"))
             self.compare(kind, name, lambda p=pairs, s=self_pairs: frame(p, s), count,
                          self.of_ipc(ipc, states, margin))

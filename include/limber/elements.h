@@ -5,16 +5,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "limber/base.h"
 #include "limber/distance.h"
+#include "limber/geometry.h"
 #include "limber/mesh.h"
 #include "limber/model.h"
 
 /// Pairs of elements that are close, as solvers with one constraint for each take them: vertices with faces, and edges
-/// with edges, of two models and of one model with itself.
+/// with edges, of two models and of one model with itself; and the features of these that are closest, each pair once.
 ///
 /// An element is closed: a vertex, an edge with its two ends, a face with its boundary. Elements that belong to several
 /// triangles come once. Distances are rounded as distance.h says, so a pair whose distance equals the margin up to that
@@ -124,5 +126,74 @@ LIMBER_API ElementPairCount visit_self_element_pairs(const Model& model, double 
 LIMBER_API ElementPairCount self_element_pairs(const Model& model, double margin, std::span<VertexFacePair> vertex_face,
                                                std::span<EdgeEdgePair> edge_edge,
                                                const ElementPairOptions& options = {});
+
+/// Two features that are close: the smallest ones that hold the closest points of one or more pairs of elements. They
+/// are two vertices, a vertex and an edge, a vertex and a face, or two edges, one of a and one of b.
+///
+/// For one model a is the vertex if the other is none, and otherwise the one of the smaller id.
+struct FeaturePair {
+  double distance = 0;
+  Vec3 point_a, point_b;               ///< closest points of the two features
+  Vec3 normal;                         ///< of length 1, from a to b; at distance 0 as feature_pairs() says
+  Vec3 weights_a, weights_b;           ///< of the points, by vertex: >= 0, together 1 up to rounding
+  std::uint32_t a = no_id, b = no_id;  ///< ids of vertices, of edges as in Model::edges(), or of triangles
+  /// The vertices of the features: of an edge as in Model::edges(), of a face by corner. What a feature does not have
+  /// repeats its first vertex, with weight 0.
+  std::array<VertexId, 3> vertices_a{no_id, no_id, no_id}, vertices_b{no_id, no_id, no_id};
+  std::uint32_t multiplicity = 0;  ///< how many pairs of elements have their closest points on these features
+  FeatureKind kind_a = FeatureKind::vertex, kind_b = FeatureKind::vertex;
+};
+
+/// Pairs of features, and memory to find them in. Kept from call to call, it serves all that find no more pairs than
+/// those before.
+///
+/// Cost     Up to 250 bytes a pair, allocated by calls that need more than those before.
+/// Threads  One call at a time. One that has been moved from is as new.
+class FeaturePairs {
+ public:
+  LIMBER_API FeaturePairs();
+  LIMBER_API FeaturePairs(FeaturePairs&&) noexcept;
+  LIMBER_API FeaturePairs& operator=(FeaturePairs&&) noexcept;
+  LIMBER_API ~FeaturePairs();
+
+  /// What the last call has found, until the next one.
+  LIMBER_API std::span<const FeaturePair> list() const;
+
+  /// For the library's own use.
+  struct Impl;
+
+ private:
+  friend struct Access;  // for the library's own use
+  Impl& impl();
+
+  std::unique_ptr<Impl> impl_;
+};
+
+struct FeaturePairOptions {
+  QueryBudget budget = {};  ///< when the query has to end; the default has no limits
+};
+
+/// The features of two models that are closest in the pairs of visit_element_pairs(), each pair of features once: what
+/// a barrier or a penalty sums over, each term as often as its multiplicity says.
+///
+/// Promise  Each pair of elements counts for one pair of features: those whose weights and parameters are not exactly
+///          0, nor those of the ends 1. So multiplicities add up to the count that is returned. Distance, points and
+///          weights depend on the two features alone; the distance is that of geometry.h. A weight within a feature
+///          may round to 0. Where rounding or a tie decides what is closest, as between parallel edges, pairs of the
+///          same place may have different features.
+/// Normal   It has the direction from point_a to point_b before these are rounded. Where they are in one place: the
+///          normal of the face by its corners, out of a or into b; the cross product of both edges, a first; a
+///          perpendicular of an edge, where these are parallel or there is but one; the z axis.
+/// Order    As visit_element_pairs() finds them first.
+/// Throws   As visit_element_pairs(); std::bad_alloc. `found` then has no pairs that mean something.
+/// Budget   As visit_element_pairs(); multiplicities count the pairs of elements that were found.
+/// Cost     That of visit_element_pairs(), and O(1) for each of its pairs.
+/// Source   Features and multiplicities as in [LiFerguson2020]; docs/algorithms/contacts.md.
+LIMBER_API ElementPairCount feature_pairs(const Placed& a, const Placed& b, double margin, FeaturePairs& found,
+                                          const FeaturePairOptions& options = {});
+
+/// The features of one model that are closest in the pairs of visit_self_element_pairs(). All else as feature_pairs().
+LIMBER_API ElementPairCount self_feature_pairs(const Model& model, double margin, FeaturePairs& found,
+                                               const FeaturePairOptions& options = {});
 
 }  // namespace limber

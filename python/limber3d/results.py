@@ -90,6 +90,12 @@ class ElementPairs(_Search):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class FeaturePairs(_Search, _Records):
+    """Features that are close, each pair once: `records` is an array of limber3d.feature_pair_dtype. Length, iteration,
+    [] and numpy.asarray() are those of the array."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ManyContacts:
     """The contacts of many poses, or of many pairs of objects: [i] and iteration give those of each."""
 

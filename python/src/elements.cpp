@@ -17,6 +17,7 @@ namespace limber::python {
 namespace {
 
 using ElementPairs = Named<"ElementPairs">;
+using FeaturePairRecords = Named<"FeaturePairs">;
 
 /// The pairs that search(visitor, visitor, options) visits, without the GIL.
 template <typename Search>
@@ -49,6 +50,31 @@ ElementPairs self_element_pairs_of(ModelObject& model, double margin, bool paral
   });
 }
 
+/// The pairs that search(pairs, options) finds, without the GIL.
+template <typename Search>
+FeaturePairRecords found_features(const BudgetObject* budget, const Search& search) {
+  FeaturePairs pairs;
+  const ElementPairCount count = interruptible(
+      budget, [&](const QueryBudget& limits) { return search(pairs, FeaturePairOptions{.budget = limits}); });
+  return result("FeaturePairs", "records"_a = array_of(pairs.list(), dtypes().feature_pair),
+                "is_complete"_a = count.is_complete, "stopped_by"_a = count.stopped_by, "stats"_a = count.stats);
+}
+
+FeaturePairRecords feature_pairs_of(ModelObject& a, ModelObject& b, double margin, const PoseLike& pose_a,
+                                    const PoseLike& pose_b, const BudgetObject* budget) {
+  const PlacedPair pair(a, b, pose_a, pose_b);
+  return found_features(budget, [&](FeaturePairs& found, const FeaturePairOptions& options) {
+    return feature_pairs(pair.a(), pair.b(), margin, found, options);
+  });
+}
+
+FeaturePairRecords self_feature_pairs_of(ModelObject& model, double margin, const BudgetObject* budget) {
+  const Reading guard = reading(model);
+  return found_features(budget, [&](FeaturePairs& found, const FeaturePairOptions& options) {
+    return self_feature_pairs(model.model, margin, found, options);
+  });
+}
+
 NeighborRings rings_of(ModelObject& model, std::uint32_t edges) {
   return aside(model.model.mesh().triangles().size(),
                [&mesh = model.model.mesh(), edges, use = InUse(model)] { return NeighborRings(mesh, edges); });
@@ -61,6 +87,10 @@ Returns  vertex_face, records of limber3d.vertex_face_dtype, and edge_edge, of l
 
 Fields of pairs of a vertex and a face)" +
          vertex_face_fields() + "\n\nFields of pairs of edges" + edge_edge_fields();
+}
+
+std::string feature_pairs_documentation(const char* documentation) {
+  return std::string(documentation) + "\n\nReturns  Records of limber3d.feature_pair_dtype." + feature_pair_fields();
 }
 
 }  // namespace
@@ -82,6 +112,10 @@ void bind_elements(nb::module_& m) {
         element_pairs_documentation(docs::visit_element_pairs).c_str());
   m.def("self_element_pairs", &self_element_pairs_of, "model"_a, "margin"_a, nb::kw_only(), "parallel"_a = false,
         "budget"_a = nb::none(), element_pairs_documentation(docs::visit_self_element_pairs).c_str());
+  m.def("feature_pairs", &feature_pairs_of, "a"_a, "b"_a, "margin"_a, "pose_a"_a = nb::none(), "pose_b"_a = nb::none(),
+        nb::kw_only(), "budget"_a = nb::none(), feature_pairs_documentation(docs::feature_pairs).c_str());
+  m.def("self_feature_pairs", &self_feature_pairs_of, "model"_a, "margin"_a, nb::kw_only(), "budget"_a = nb::none(),
+        feature_pairs_documentation(docs::self_feature_pairs).c_str());
 }
 
 }  // namespace limber::python

@@ -21,6 +21,7 @@ Dtypes all_dtypes;
 nb::object format_of(double) { return nb::str("f8"); }
 nb::object format_of(const Vec3&) { return nb::str("(3,)f8"); }
 nb::object format_of(std::uint32_t) { return nb::str("u4"); }
+nb::object format_of(const std::array<std::uint32_t, 3>&) { return nb::str("(3,)u4"); }
 nb::object format_of(std::uint64_t) { return nb::str("u8"); }
 nb::object format_of(bool) { return nb::str("?"); }
 template <typename Enum>
@@ -110,6 +111,15 @@ nb::object edge_edge_dtype() {
   const EdgeEdgePair p;
   return dtype_of(p, {"a", "b", "distance", "parameter_a", "parameter_b"}, p.a, p.b, p.distance, p.parameter_a,
                   p.parameter_b);
+}
+
+nb::object feature_pair_dtype() {
+  const FeaturePair p;
+  return dtype_of(p,
+                  {"distance", "point_a", "point_b", "normal", "weights_a", "weights_b", "a", "b", "vertices_a",
+                   "vertices_b", "multiplicity", "kind_a", "kind_b"},
+                  p.distance, p.point_a, p.point_b, p.normal, p.weights_a, p.weights_b, p.a, p.b, p.vertices_a,
+                  p.vertices_b, p.multiplicity, p.kind_a, p.kind_b);
 }
 
 nb::object element_pair_dtype() {
@@ -269,6 +279,17 @@ std::string edge_edge_fields() {
                  {"parameter_a, parameter_b", docs::EdgeEdgePair_parameter_a}});
 }
 
+std::string feature_pair_fields() {
+  return fields({{"distance", "of the two features"},
+                 {"point_a, point_b", docs::FeaturePair_point_a},
+                 {"normal", docs::FeaturePair_normal},
+                 {"weights_a, weights_b", docs::FeaturePair_weights_a},
+                 {"a, b", docs::FeaturePair_a},
+                 {"vertices_a, vertices_b", docs::FeaturePair_vertices_a},
+                 {"multiplicity", docs::FeaturePair_multiplicity},
+                 {"kind_a, kind_b", "a FeatureKind"}});
+}
+
 std::string element_pair_fields() { return fields({{"kind", "an ElementPairKind"}, {"a, b", docs::ElementPair_a}}); }
 
 std::string impact_fields() {
@@ -288,6 +309,7 @@ void bind_records(nb::module_& module) {
                 .contact = keep("contact_dtype", contact_dtype()),
                 .vertex_face = keep("vertex_face_dtype", vertex_face_dtype()),
                 .edge_edge = keep("edge_edge_dtype", edge_edge_dtype()),
+                .feature_pair = keep("feature_pair_dtype", feature_pair_dtype()),
                 .element_pair = keep("element_pair_dtype", element_pair_dtype()),
                 .impact = keep("impact_dtype", impact_dtype()),
                 .solid_relation = keep("solid_relation_dtype", solid_relation_dtype())};

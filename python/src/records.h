@@ -102,8 +102,8 @@ SolidRelationRecord record_of(const SolidRelationResult& result);
 
 /// The element types of such arrays, as NumPy describes them. They live as long as the process.
 struct Dtypes {
-  nb::handle distance, collide, surface_point, signed_distance, contact, vertex_face, edge_edge, element_pair, impact,
-      solid_relation;
+  nb::handle distance, collide, surface_point, signed_distance, contact, vertex_face, edge_edge, feature_pair,
+      element_pair, impact, solid_relation;
 };
 const Dtypes& dtypes();
 
@@ -115,6 +115,7 @@ std::string collide_fields();
 std::string solid_relation_fields();
 std::string vertex_face_fields();
 std::string edge_edge_fields();
+std::string feature_pair_fields();
 std::string element_pair_fields();
 std::string impact_fields();
 

@@ -223,3 +223,28 @@ def test_elements_come_with_weights_and_edges(tetra: limber3d.Model) -> None:
         limber3d.self_element_pairs(tetra, 2.0, budget=budget),
     ):
         assert not none.is_complete and none.stopped_by is limber3d.StoppedBy.max_steps and len(none.edge_edge) == 0
+
+
+def test_features_come_once_with_all_that_a_penalty_needs(tetra: limber3d.Model) -> None:
+    pose = ([1, 0, 0, 0], [1.5, 0, 0])
+    found, pairs = limber3d.feature_pairs(tetra, tetra, 0.6, pose_b=pose), limber3d.element_pairs(tetra, tetra, 0.6, pose_b=pose)
+    assert found.is_complete and found.records.dtype == limber3d.feature_pair_dtype and found.stats.primitive_tests > 0
+    assert found["multiplicity"].sum() == len(pairs.vertex_face) + len(pairs.edge_edge) > len(found)
+    assert len({tuple(ids) for ids in found[["kind_a", "a", "kind_b", "b"]].tolist()}) == len(found)
+    tips = found[(found["kind_a"] == limber3d.FeatureKind.vertex.value) & (found["kind_b"] == limber3d.FeatureKind.vertex.value)]
+    assert len(tips) > 0 and (tips["vertices_a"] == tips["a"][:, None]).all() and (tips["weights_b"] == [1, 0, 0]).all()
+    vertices = tetra.vertices
+    for side, offset in (("a", [0, 0, 0]), ("b", [1.5, 0, 0])):
+        points = (found["weights_" + side][:, :, None] * vertices[found["vertices_" + side]]).sum(axis=1) + offset
+        assert numpy.allclose(points, found["point_" + side])
+    assert numpy.allclose(found["point_a"] + found["distance"][:, None] * found["normal"], found["point_b"])
+    own = limber3d.self_feature_pairs(tetra, 2.0)
+    assert own["multiplicity"].sum() == 7
+    budget = limber3d.QueryBudget(max_steps=0)
+    for none in (
+        limber3d.feature_pairs(tetra, tetra, 0.6, budget=budget),
+        limber3d.self_feature_pairs(tetra, 2.0, budget=budget),
+    ):
+        assert not none.is_complete and none.stopped_by is limber3d.StoppedBy.max_steps and len(none) == 0
+    with pytest.raises(ValueError, match="limber.*feature_pairs: margin"):
+        limber3d.self_feature_pairs(tetra, -1.0)

@@ -28,7 +28,8 @@ def results(folder: Path) -> list[Any]:
     return [
         *(contacts, limber3d.intersections(tetra, tetra, pose_b=NEAR), limber3d.reduce_contacts(contacts, 0.5)),
         *(limber3d.impacts(moving, moving), limber3d.impact_candidates(moving, moving)),
-        *(limber3d.element_pairs(tetra, tetra, 0.1), limber3d.contacts_many(tetra, tetra, 0.1, NEAR)),
+        *(limber3d.element_pairs(tetra, tetra, 0.1), limber3d.feature_pairs(tetra, tetra, 0.1)),
+        limber3d.contacts_many(tetra, tetra, 0.1, NEAR),
         *(limber3d.weld(tetra), limber3d.read_mesh_file(path)),
         *(limber3d.pose_gradient_a(contacts, [0, 0, 0]), limber3d.limit_displacements(tetra, tetra, 0.1, [1.0] * 4)),
     ]

@@ -46,6 +46,7 @@ SENTENCES = (
     (" 40 kB of stack; allocates nothing( once the models have their edges)?, unless it is parallel\\.", ""),
     ("^found    What was in it is replaced;.*", ""),
     ("; `found` is then empty or unchanged", ""),
+    (" `found` then has no pairs that mean something\\.", ""),
     ("^Room     .* closest_pairs\\(\\) with .*", "Nearest  closest_pairs() with `max_distance` finds them."),
     (" Allocates nothing if `memory` has grown to it; else 250 bytes a contact in six pieces\\.", ""),
     ("The contacts of contacts\\.h need no contact_of\\(\\): they are .*", "Those of contacts() need no contact_of()."),

@@ -18,6 +18,7 @@
 #include "limber/contacts.h"
 #include "limber/elements.h"
 #include "limber/gradients.h"
+#include "pair/collectors/elements.h"
 #include "pair/collectors/pairs.h"
 #include "pair/parts.h"
 #include "pair/placed_pair.h"
@@ -113,16 +114,16 @@ struct ElementSearch {
   const MeshEdges &edges_a, &edges_b;
   double margin;
 
-  using Collector = pair::ElementsWithin<is_self>;
+  using Collector = pair::ElementsWithin<is_self, pair::ElementVisitors>;
   Collector collector(VertexFaceVisitor visit_vertex_face, EdgeEdgeVisitor visit_edge_edge) const {
-    return Collector(placed, edges_a, edges_b, margin, visit_vertex_face, visit_edge_edge);
+    return Collector(placed, edges_a, edges_b, margin, {visit_vertex_face, visit_edge_edge});
   }
 };
 
 template <bool is_self>
 ElementPairCount count_elements_in_parts(const ElementSearch<is_self>& search, VertexFaceVisitor visit_vertex_face,
                                          EdgeEdgeVisitor visit_edge_edge, const QueryBudget& budget) {
-  using Collector = pair::ElementsWithin<is_self>;
+  using Collector = typename ElementSearch<is_self>::Collector;
   ElementPairCount result;
   const std::vector<ElementLists> parts = pair::search_all_in_parts<Collector, ElementLists>(
       search.placed, [&](ElementLists& lists) { return search.collector(lists.vertex_face, lists.edge_edge); }, budget,
@@ -138,7 +139,7 @@ ElementPairCount count_elements(const ElementSearch<is_self>& search, VertexFace
   if (pair::runs_in_parallel(options)) {
     return count_elements_in_parts(search, visit_vertex_face, visit_edge_edge, options.budget);
   }
-  pair::ElementsWithin<is_self> collector = search.collector(visit_vertex_face, visit_edge_edge);
+  typename ElementSearch<is_self>::Collector collector = search.collector(visit_vertex_face, visit_edge_edge);
   ElementPairCount result;
   pair::BudgetMeter meter(options.budget);
   result.stopped_by = pair::search_all(search.placed, collector, meter, result.stats);

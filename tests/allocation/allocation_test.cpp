@@ -84,6 +84,17 @@ void expect_none_after_the_first(int count, const Function& function) {
   EXPECT_EQ(allocation_count(), before);
 }
 
+TEST(Allocation, DoesNotHappenInMemoryOfFeaturePairs) {
+  const Model square(scenes::thesis_square()), ball(scenes::thesis_ball());
+  FeaturePairs found, of_one;
+  expect_none_after_the_first(5, [&](int step) {
+    const Placed above{ball, scenes::ball_over_square(ball.mesh(), 0.1 * step, 0)};
+    feature_pairs({square}, above, 0.5, found);
+    self_feature_pairs(ball, 0.1, of_one);
+  });
+  EXPECT_GT(of_one.list().size(), 0U);
+}
+
 TEST(Allocation, IsSeenByThisTest) {
   const std::uint64_t before = allocation_count();
   const Model model(scenes::thesis_ball());

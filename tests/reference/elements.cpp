@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "base/arguments.h"
@@ -86,6 +88,69 @@ ElementPairs pairs_of(const Elements& a, const Elements& b, double margin) {
   return found;
 }
 
+/// A feature by its vertices, in the order of ids; a vertex, an edge or a face by how many these are.
+struct FeatureVertices {
+  std::set<VertexId> vertices;
+  TriangleId face = no_id;
+
+  FeatureKind kind() const {
+    return vertices.size() == 1 ? FeatureKind::vertex : vertices.size() == 2 ? FeatureKind::edge : FeatureKind::face;
+  }
+  std::uint32_t id(const Elements& of) const {
+    if (vertices.size() == 1) return *vertices.begin();
+    if (vertices.size() == 3) return face;
+    const EdgeVertices ends{*vertices.begin(), *vertices.rbegin()};
+    return static_cast<EdgeId>(std::lower_bound(of.edges.begin(), of.edges.end(), ends) - of.edges.begin());
+  }
+  Segment segment(const Elements& of) const {
+    return {of.positions[*vertices.begin()], of.positions[*vertices.rbegin()]};
+  }
+};
+
+ClosestPoints closest_points(const FeatureVertices& f, const Elements& of_f, const FeatureVertices& g,
+                             const Elements& of_g) {
+  if (g.kind() == FeatureKind::face) return limber::closest_points(f.segment(of_f).p0, of_g.face(g.face));
+  if (f.kind() != FeatureKind::face) return limber::closest_points(f.segment(of_f), g.segment(of_g));
+  const ClosestPoints swapped = closest_points(g, of_g, f, of_f);
+  return {swapped.distance, swapped.point_b, swapped.point_a};
+}
+
+/// The features of pairs of elements of a and b, which may be the same.
+std::vector<FeaturePair> features_of(const Elements& a, const Elements& b, const ElementPairs& pairs) {
+  using Key = std::pair<FeatureKind, std::uint32_t>;
+  std::map<std::pair<Key, Key>, FeaturePair> found;
+  const auto add = [&](const FeatureVertices& f, const FeatureVertices& g) {
+    Key key_f{f.kind(), f.id(a)}, key_g{g.kind(), g.id(b)};
+    const bool swaps = &a == &b && key_g < key_f;
+    if (swaps) std::swap(key_f, key_g);
+    FeaturePair& pair = found[{key_f, key_g}];
+    if (pair.multiplicity++ > 0) return;
+    const ClosestPoints closest = swaps ? closest_points(g, b, f, a) : closest_points(f, a, g, b);
+    pair.distance = closest.distance, pair.point_a = closest.point_a, pair.point_b = closest.point_b;
+    pair.kind_a = key_f.first, pair.a = key_f.second, pair.kind_b = key_g.first, pair.b = key_g.second;
+  };
+  for (const VertexFacePair& p : pairs.vertex_face) {
+    FeatureVertices face{{}, p.triangle};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (p.weights[k] > 0) face.vertices.insert((p.is_vertex_of_b ? a : b).faces[p.triangle][k]);
+    }
+    const FeatureVertices vertex{{p.vertex}};
+    p.is_vertex_of_b ? add(face, vertex) : add(vertex, face);
+  }
+  const auto of_edge = [](const EdgeVertices& edge, double parameter) {
+    FeatureVertices f;
+    if (parameter < 1) f.vertices.insert(edge[0]);
+    if (parameter > 0) f.vertices.insert(edge[1]);
+    return f;
+  };
+  for (const EdgeEdgePair& p : pairs.edge_edge) {
+    add(of_edge(a.edges[p.a], p.parameter_a), of_edge(b.edges[p.b], p.parameter_b));
+  }
+  std::vector<FeaturePair> list;
+  for (const auto& [key, pair] : found) list.push_back(pair);
+  return list;
+}
+
 /// Elements at the start and at the end of a motion.
 struct MotionOfElements {
   Elements start, end;
@@ -136,6 +201,18 @@ ElementPairs self_element_pairs(MeshView mesh, double margin) {
   base::check_margin(margin, "limber::reference::self_element_pairs");
   const Elements elements({mesh});
   return pairs_of(elements, elements, margin);
+}
+
+std::vector<FeaturePair> feature_pairs(const Placed& a, const Placed& b, double margin) {
+  const base::DefaultFloatEnvironment environment;
+  const Elements of_a(a), of_b(b);
+  return features_of(of_a, of_b, element_pairs(a, b, margin));
+}
+
+std::vector<FeaturePair> self_feature_pairs(MeshView mesh, double margin) {
+  const base::DefaultFloatEnvironment environment;
+  const Elements elements({mesh});
+  return features_of(elements, elements, self_element_pairs(mesh, margin));
 }
 
 std::vector<Impact> impacts(const MovingMesh& a, const MovingMesh& b, const ElementImpactOptions& options) {

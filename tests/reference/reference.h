@@ -85,6 +85,13 @@ struct ElementPairs {
 ElementPairs element_pairs(const Placed& a, const Placed& b, double margin);
 ElementPairs self_element_pairs(MeshView mesh, double margin);
 
+/// The features that are closest in these pairs, each pair once, in the order of kinds and ids: of a, then of b.
+/// Normals, weights and vertices are not set.
+///
+/// Throws   As element_pairs().
+std::vector<FeaturePair> feature_pairs(const Placed& a, const Placed& b, double margin);
+std::vector<FeaturePair> self_feature_pairs(MeshView mesh, double margin);
+
 /// A mesh whose vertices move from their positions, placed by one pose, to others, placed by another.
 struct MovingMesh {
   MeshView mesh;

@@ -24,6 +24,7 @@ inline auto ids_of(const TrianglePair& p) { return std::tuple(p.a, p.b); }
 inline auto ids_of(const Contact& c) { return std::tuple(c.triangle_a, c.triangle_b); }
 inline auto ids_of(const VertexFacePair& p) { return std::tuple(p.is_vertex_of_b, p.vertex, p.triangle); }
 inline auto ids_of(const EdgeEdgePair& p) { return std::tuple(p.a, p.b); }
+inline auto ids_of(const FeaturePair& p) { return std::tuple(p.kind_a, p.a, p.kind_b, p.b); }
 inline auto ids_of(const ElementPair& p) { return std::tuple(p.kind, p.a, p.b); }
 inline auto ids_of(const Impact& i) { return ids_of(i.elements); }
 
@@ -32,6 +33,10 @@ inline auto ids_of(const Impact& i) { return ids_of(i.elements); }
 inline auto key_of(const TrianglePair& p) { return ids_of(p); }
 inline auto key_of(const VertexFacePair& p) { return std::tuple(ids_of(p), p.distance, bits_of(p.weights)); }
 inline auto key_of(const EdgeEdgePair& p) { return std::tuple(ids_of(p), p.distance, p.parameter_a, p.parameter_b); }
+inline auto key_of(const FeaturePair& p) {
+  return std::tuple(ids_of(p), p.multiplicity, p.distance, bits_of(p.point_a), bits_of(p.point_b), bits_of(p.normal),
+                    bits_of(p.weights_a), bits_of(p.weights_b), p.vertices_a, p.vertices_b);
+}
 inline auto key_of(const Contact& c) {
   return std::tuple(ids_of(c), bits_of({c.distance, c.depth, 0}), bits_of(c.point_a), bits_of(c.point_b),
                     bits_of(c.normal), bits_of(c.weights_a), bits_of(c.weights_b), c.feature_a, c.feature_b,
