@@ -19,19 +19,30 @@
 namespace limber {
 
 /// A model whose triangles, with what they enclose, are convex: a closed surface without a concave edge, a flat polygon,
-/// a segment or a point. It is checked once, exactly. Keeps a pointer: the model must outlive it. Once a vertex has
-/// moved, all queries of it throw std::invalid_argument, until create() has checked the model again.
+/// a segment or a point. Keeps a pointer: the model must outlive it. It is checked once. After a vertex has moved, all
+/// queries of it throw std::invalid_argument, until create() has checked the model again.
+///
+/// Rounded  Coordinates that were rounded leave edges a little concave. Distances, and yes and no, are those of the
+///          triangles all the same; a depth is that of their convex hull.
 ///
 /// Threads  Const functions may run concurrently, with queries of the model too.
 class ConvexSurface {
  public:
+  /// Takes edges, and vertices in front of a triangle's plane, that are concave by at most `max_concavity`: a length.
+  /// By default it is 2^-40 of the largest coordinate; for a mesh that was stored in float32, 10^-6 of its size will do.
+  ///
   /// Errors   `not_convex`, naming the edge that is concave and by how much; `not_closed`, naming the edge; `where` is
   ///          the triangle.
+  /// Throws   std::invalid_argument unless max_concavity is finite and >= 0.
   /// Cost     O(n log n) where an edge is concave. O(n^2) where none is: some 10 ms for 1000 vertices.
-  LIMBER_API static Result<ConvexSurface> create(const Model& model);
-  static Result<ConvexSurface> create(const Model&&) = delete;  // would point to a temporary
+  LIMBER_API static Result<ConvexSurface> create(const Model& model,
+                                                 std::optional<double> max_concavity = std::nullopt);
+  static Result<ConvexSurface> create(const Model&&,
+                                      std::optional<double> = {}) = delete;  // would point to a temporary
 
   const Model& model() const { return *model_; }
+  /// Whether the surface is closed, and encloses something.
+  bool is_solid() const { return is_solid_; }
   /// The model as a convex body. Keeps a pointer to this surface.
   ///
   /// Throws   std::invalid_argument if a vertex has moved since the surface was created.
@@ -40,10 +51,11 @@ class ConvexSurface {
 
  private:
   friend struct Access;  // for the library's own use
-  explicit ConvexSurface(const Model& model);
+  ConvexSurface(const Model& model, bool is_solid);
 
   const Model* model_;
   std::shared_ptr<const model::ConvexParts> parts_;
+  bool is_solid_;
 };
 
 struct ConvexDepthOptions {
@@ -65,7 +77,7 @@ struct [[nodiscard]] ConvexDepth {
 /// The length of the shortest translation of b that parts it from a, for two bodies that are known to be convex. Flat
 /// ones count as what they are: two that overlap in their plane have depth 0.
 ///
-/// Promise  lower <= depth <= upper, whatever rounding does. The gap is at most the asked error, or 2^-43 of both
+/// Promise  lower <= depth <= upper, whatever rounding does. The gap is at most the asked error, or 2^-42 of both
 ///          bodies' largest coordinates, radii and translations, but for bodies with very long thin triangles or more
 ///          than some 100 faces equally deep. Bodies that touch may have a depth of 0, or one of that rounding.
 /// Throws   std::invalid_argument unless both bodies are known to be convex, both models are committed, both poses are

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "geometry/local_frame.h"
-#include "geometry/plane_sides.h"
 #include "geometry/primitives.h"
 #include "mesh/adjacency.h"
 
@@ -39,7 +38,8 @@ double height_over(const Triangle& t, const Vec3& p) {
 /// Decides for the triangles of one mesh.
 class ConvexityCheck {
  public:
-  explicit ConvexityCheck(const Mesh& mesh) : mesh_(mesh), triangles_(mesh.triangles()) {
+  ConvexityCheck(const Mesh& mesh, double max_concavity)
+      : mesh_(mesh), triangles_(mesh.triangles()), max_concavity_(max_concavity) {
     std::vector<bool> is_used(mesh.positions().size());
     for (const Corners& t : triangles_) {
       for (const VertexId v : t) is_used[v] = true;
@@ -49,15 +49,19 @@ class ConvexityCheck {
     }
   }
 
-  Result<void> run() {
+  Result<bool> run() {
     const auto is_less = [&](VertexId v, VertexId w) { return geometry::lexicographically_less(at(v), at(w)); };
     const auto [least, most] = std::minmax_element(vertices_.begin(), vertices_.end(), is_less);
     const VertexId p = *least, q = *most;
     const auto off_line = std::find_if(vertices_.begin(), vertices_.end(),
                                        [&](VertexId v) { return !geometry::are_collinear(at(p), at(q), at(v)); });
     if (off_line == vertices_.end()) return check_segment();
-    const geometry::PlaneSides plane(at(p), at(q), at(*off_line));
-    if (std::all_of(vertices_.begin(), vertices_.end(), [&](VertexId v) { return plane.of(at(v)) == 0; })) {
+    const Triangle plane{at(p), at(q), at(*off_line)};
+    const bool is_flat = std::all_of(vertices_.begin(), vertices_.end(), [&](VertexId v) {
+      return geometry::orient3d(plane.v0, plane.v1, plane.v2, at(v)) == 0 ||
+             height_over(plane, at(v)) <= max_concavity_;
+    });
+    if (is_flat) {
       return check_polygon(*geometry::faithful_axis(at(p), at(q), at(*off_line)));
     }
     if (auto closed = mesh::check_closed(mesh_); !closed) return closed.error();
@@ -66,13 +70,8 @@ class ConvexityCheck {
 
  private:
   const Vec3& at(VertexId v) const { return mesh_.positions()[v]; }
-  int side_of(TriangleId t, VertexId v) const {
-    const Corners& c = triangles_[t];
-    return geometry::PlaneSides(at(c[0]), at(c[1]), at(c[2])).of(at(v));
-  }
-
   /// All in a line: the segments that triangles are have no gap between them.
-  Result<void> check_segment() const {
+  Result<bool> check_segment() const {
     std::vector<std::pair<Vec3, Vec3>> segments;
     for (const Corners& t : triangles_) {
       const auto [low, high] = std::minmax({at(t[0]), at(t[1]), at(t[2])}, [](const Vec3& p, const Vec3& q) {
@@ -89,11 +88,11 @@ class ConvexityCheck {
       }
       if (geometry::lexicographically_less(end, high)) end = high;
     }
-    return {};
+    return false;
   }
 
   /// All in a plane: the triangles run around alike, and their outline is one that turns to one side alone.
-  Result<void> check_polygon(std::size_t axis) const {
+  Result<bool> check_polygon(std::size_t axis) const {
     const auto turn = [&](VertexId u, VertexId v, VertexId w) { return geometry::orient2d(at(u), at(v), at(w), axis); };
     const int sense = turn(triangles_[0][0], triangles_[0][1], triangles_[0][2]);
     std::map<std::pair<VertexId, VertexId>, TriangleId> sides;
@@ -127,50 +126,62 @@ class ConvexityCheck {
     if (steps != length || length != outline.size() || changes != 2) {
       return not_convex("it is flat, and has more than one outline, or one that crosses itself", 0);
     }
-    return {};
+    return false;
+  }
+
+  /// How far a vertex is in front of a triangle's plane, if that is too far; `inside` is the side that is behind it.
+  std::optional<double> too_far(TriangleId t, VertexId v, int inside) const {
+    const Triangle corners = mesh_.triangle(t);
+    if (geometry::orient3d(corners.v0, corners.v1, corners.v2, at(v)) != -inside) return std::nullopt;
+    const double height = height_over(corners, at(v));
+    return height > max_concavity_ ? std::optional(height) : std::nullopt;
+  }
+  /// The side of its triangles on which a closed surface has its inside, by the sign of the volume.
+  int inside() const {
+    const Vec3& origin = at(vertices_[0]);
+    double volume = 0;
+    for (TriangleId t = 0; t < triangles_.size(); ++t) {
+      const Triangle corners = mesh_.triangle(t);
+      volume += dot(corners.v0 - origin, cross(corners.v1 - origin, corners.v2 - origin));
+    }
+    return volume < 0 ? 1 : -1;
+  }
+  static std::string in_front(VertexId v, double height, TriangleId t) {
+    return "vertex " + std::to_string(v) + " is " + name_of(height) + " in front of triangle " + std::to_string(t);
   }
 
   /// A closed surface: all vertices are on one side of all triangles, the inner one.
-  Result<void> check_solid() const {
-    int inside = 0;
-    for (TriangleId t = 0; t < triangles_.size() && inside == 0; ++t) {
-      for (std::size_t i = 0; i < vertices_.size() && inside == 0; ++i) inside = side_of(t, vertices_[i]);
-    }
+  Result<bool> check_solid() const {
+    const int side = inside();
     std::optional<Error> concave;
     mesh::for_each_edge(triangles_, mesh_.positions().size(), [&](VertexId low, auto sides) {
       if (concave || low == sides[0].high) return;
-      const TriangleId first = sides[0].triangle, last = sides.back().triangle;
-      for (const VertexId v : triangles_[last]) {
-        if (side_of(first, v) != -inside) continue;
-        concave =
-            not_convex("edge (" + std::to_string(low) + ", " + std::to_string(sides[0].high) + ") is concave: vertex " +
-                           std::to_string(v) + " is " + name_of(height_over(mesh_.triangle(first), at(v))) +
-                           " in front of triangle " + std::to_string(first),
-                       first);
+      const TriangleId t = sides[0].triangle;
+      for (const VertexId v : triangles_[sides.back().triangle]) {
+        const auto height = too_far(t, v, side);
+        if (!height) continue;
+        const std::string edge = "edge (" + std::to_string(low) + ", " + std::to_string(sides[0].high) + ")";
+        concave = not_convex(edge + " is concave: " + in_front(v, *height, t), t);
         return;
       }
     });
     if (concave) return *concave;
     for (TriangleId t = 0; t < triangles_.size(); ++t) {
-      const Corners& c = triangles_[t];
-      const geometry::PlaneSides plane(at(c[0]), at(c[1]), at(c[2]));
       for (const VertexId v : vertices_) {
-        if (plane.of(at(v)) != -inside) continue;
-        return not_convex("vertex " + std::to_string(v) + " is " + name_of(height_over(mesh_.triangle(t), at(v))) +
-                              " in front of triangle " + std::to_string(t),
-                          t);
+        if (const auto height = too_far(t, v, side)) return not_convex(in_front(v, *height, t), t);
       }
     }
-    return {};
+    return true;
   }
 
   const Mesh& mesh_;
   const std::vector<Corners>& triangles_;
+  double max_concavity_;
   std::vector<VertexId> vertices_;
 };
 
 }  // namespace
 
-Result<void> check_convex(const Mesh& mesh) { return ConvexityCheck(mesh).run(); }
+Result<bool> check_convex(const Mesh& mesh, double max_concavity) { return ConvexityCheck(mesh, max_concavity).run(); }
 
 }  // namespace limber::model

@@ -258,9 +258,8 @@ Body::Body(const ClosedSurface& solid)
 
 Body::Body(const ConvexSurface& surface, double radius) : Body(surface.model(), radius) {
   convex_ = Access::parts_of(surface);
-  is_solid_ = is_in_one_piece_ = surface.model().mesh().is_closed();
-  LIMBER_REQUIRE(has_its_surface(*this),
-                 "limber::Body: the model has moved since it was found to be convex");
+  is_solid_ = is_in_one_piece_ = surface.is_solid();
+  LIMBER_REQUIRE(has_its_surface(*this), "limber::Body: the model has moved since it was found to be convex");
 }
 
 void throw_not_ready(const Placed& placed, const char* place, const char* name) {

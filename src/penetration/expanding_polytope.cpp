@@ -63,9 +63,9 @@ bool ExpandingPolytope::start(const pair::Simplex& simplex) {
     const Vec3 normal = cross(at(1) - at(0), at(2) - at(0));
     if (max_abs(normal) == 0) return false;
     const Vec3 up = geometry::unit(normal);
-    add_corner(farthest(up)), add_corner(farthest(-up));
+    add_corner(farthest(up));
+    farthest(-up);
     if (upper_ <= little) return false;
-    return make_faces({{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}});
   }
   const bool is_turned = dot(cross(at(1) - at(0), at(2) - at(0)), at(3) - at(0)) > 0;
   if (is_turned) std::swap(corners_[0], corners_[1]);
@@ -184,15 +184,23 @@ bool ExpandingPolytope::grow(std::uint16_t first, const DifferenceCorner& corner
 }
 
 void ExpandingPolytope::prove_lower() {
-  const Face& nearest = faces_[nearest_face()];
-  nearest_.count = 3;
-  for (std::size_t i = 0; i < 3; ++i) nearest_.corners[i] = corners_[nearest.corners[i]];
-  pair::reduce(nearest_);
+  const double least = faces_[nearest_face()].distance, most = least + difference_.rounding();
+  // Of faces in one plane, one has the foot of the origin.
+  nearest_.distance = std::numeric_limits<double>::infinity();
+  for (std::uint16_t i = 0; i < alive_count_; ++i) {
+    const Face& face = faces_[alive_[i]];
+    if (face.distance > most) continue;
+    pair::Simplex simplex;
+    simplex.count = 3;
+    for (std::size_t k = 0; k < 3; ++k) simplex.corners[k] = corners_[face.corners[k]];
+    pair::reduce(simplex);
+    if (simplex.distance < nearest_.distance) nearest_ = simplex;
+  }
   const bool is_behind_all = std::all_of(alive_.begin(), alive_.begin() + alive_count_, [&](std::uint16_t f) {
     const auto& [p, q, r] = faces_[f].corners;
     return faces_[f].is_sure || geometry::orient3d(corners_[p].way, corners_[q].way, corners_[r].way, Vec3{}) <= 0;
   });
-  if (is_behind_all) lower_ = nearest.distance;
+  if (is_behind_all) lower_ = least;
 }
 
 }  // namespace limber::penetration
