@@ -18,8 +18,8 @@
 /// 2^-45 of both models' largest coordinates and translations, also if both poses are the identity.
 namespace limber {
 
-/// A model whose triangles, with what they enclose, are convex: a closed surface without a concave edge, a flat polygon,
-/// a segment or a point. Keeps a pointer: the model must outlive it. It is checked once. After a vertex has moved, all
+/// A model whose triangles, with what they enclose, are convex: a closed surface without a concave edge, a flat
+/// polygon, a segment or a point. Keeps a pointer: the model must outlive it. It is checked once. After a vertex has moved, all
 /// queries of it throw std::invalid_argument, until create() has checked the model again.
 ///
 /// Rounded  Coordinates that were rounded leave edges a little concave. Distances, and yes and no, are those of the
@@ -29,7 +29,7 @@ namespace limber {
 class ConvexSurface {
  public:
   /// Takes edges, and vertices in front of a triangle's plane, that are concave by at most `max_concavity`: a length.
-  /// By default it is 2^-40 of the largest coordinate; for a mesh that was stored in float32, 10^-6 of its size will do.
+  /// By default it is 2^-40 of the largest coordinate; for a mesh that was stored in float32 give 10^-6 of its size.
   ///
   /// Errors   `not_convex`, naming the edge that is concave and by how much; `not_closed`, naming the edge; `where` is
   ///          the triangle.

@@ -33,12 +33,10 @@ struct ConvexParts::UsedVertices {
 ConvexParts::ConvexParts(const Model& model) : ConvexParts(model, UsedVertices(model.mesh())) {}
 
 ConvexParts::ConvexParts(const Model& model, const UsedVertices& used)
-    : count_(static_cast<std::uint32_t>(used.vertices.size())),
-      surface_id_(Access::impl(model).surface_id),
+    : surface_id_(Access::impl(model).surface_id),
       moved_vertices_(Access::impl(model).stats.moved_vertices),
-      blocks_((count_ + lanes - 1) / lanes * block_size),
       triangles_(used.triangles),
-      neighbors_(count_,
+      neighbors_(used.vertices.size(),
                  [&](const auto& add) {
                    // Where the surface is closed, the triangle next to an edge lists its other direction.
                    const bool is_closed = model.mesh().is_closed();
@@ -49,16 +47,15 @@ ConvexParts::ConvexParts(const Model& model, const UsedVertices& used)
                      }
                    }
                  }),
-      triangles_of_(count_, [&](const auto& add) {
+      triangles_of_(used.vertices.size(), [&](const auto& add) {
         for (TriangleId t = 0; t < used.triangles.size(); ++t) {
           for (const std::uint32_t corner : used.triangles[t]) add(corner, t);
         }
       }) {
-  const double part = 1. / count_;
-  for (std::size_t i = 0; i < blocks_.size() / 3; ++i) {
-    const Vec3& p = model.mesh().positions()[used.vertices[std::min<std::size_t>(i, count_ - 1)]];
-    for (std::size_t k = 0; k < 3; ++k) blocks_[i / lanes * block_size + k * lanes + i % lanes] = p[k];
-    if (i < count_) center_ += part * p;
+  const double part = 1. / static_cast<double>(used.vertices.size());
+  for (const VertexId v : used.vertices) {
+    positions_.push_back(model.mesh().positions()[v]);
+    center_ += part * positions_.back();
   }
 }
 
@@ -68,26 +65,18 @@ bool ConvexParts::is_of(const Model& model) const {
 }
 
 ConvexParts::Support ConvexParts::scan(const Vec3& direction) const {
-  // The lanes are independent, so that compilers can use vectors; the answer does not depend on whether they do.
-  constexpr double low = -std::numeric_limits<double>::infinity();
-  std::array<double, lanes> best{low, low, low, low};
-  std::array<std::uint64_t, lanes> block_of{};
-  const std::size_t blocks = blocks_.size() / block_size;
-  const double* p = blocks_.data();
-  for (std::uint64_t block = 0; block < blocks; ++block, p += block_size) {
-    for (std::size_t i = 0; i < lanes; ++i) {
-      const double height = direction.x * p[i] + direction.y * p[lanes + i] + direction.z * p[2 * lanes + i];
-      const bool is_higher = height > best[i];
-      best[i] = is_higher ? height : best[i];
-      block_of[i] = is_higher ? block : block_of[i];
-    }
+  Support best{0, -std::numeric_limits<double>::infinity()};
+  std::uint32_t corner = 0;
+  for (const Vec3& p : positions_) {
+    const double height = dot(direction, p);
+    if (height > best.height) best = {corner, height};
+    ++corner;
   }
-  const auto lane = static_cast<std::size_t>(std::max_element(best.begin(), best.end()) - best.begin());
-  return {std::min(static_cast<std::uint32_t>(block_of[lane] * lanes + lane), count_ - 1), best[lane]};
+  return best;
 }
 
 ConvexParts::Support ConvexParts::climb(const Vec3& direction, std::uint32_t start) const {
-  LIMBER_ASSERT(start < count_);
+  LIMBER_ASSERT(start < count());
   Support best{start, dot(direction, position(start))};
   for (std::uint32_t from = no_id; from != best.corner;) {
     from = best.corner;

@@ -28,18 +28,15 @@ class ConvexParts {
 
   explicit ConvexParts(const Model& model);
 
-  std::uint32_t count() const { return count_; }
-  Vec3 position(std::uint32_t corner) const {
-    const double* const p = blocks_.data() + corner / lanes * block_size + corner % lanes;
-    return {p[0], p[lanes], p[2 * lanes]};
-  }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(positions_.size()); }
+  const Vec3& position(std::uint32_t corner) const { return positions_[corner]; }
   /// The middle of the corners.
   const Vec3& center() const { return center_; }
   /// Whether the model is as it was.
   bool is_of(const Model& model) const;
 
   /// Whether support() looks at every corner.
-  bool is_scanned() const { return count_ <= most_scanned; }
+  bool is_scanned() const { return count() <= most_scanned; }
   /// The highest corner along a direction, or one that climbing from `start` takes for it: along edges, always upward.
   /// That ends at the highest corner, but for rounding.
   ///
@@ -54,18 +51,16 @@ class ConvexParts {
   TriangleId triangle_at(std::span<const std::uint32_t> corners, const Vec3& point) const;
 
  private:
-  static constexpr std::size_t lanes = 4, block_size = 3 * lanes;
-  static constexpr std::uint32_t most_scanned = 48;  // measured: from there on it takes longer than to climb
+  static constexpr std::uint32_t most_scanned = 40;  // measured: from there on it takes longer than to climb
 
   struct UsedVertices;
   ConvexParts(const Model& model, const UsedVertices& used);
   Support climb(const Vec3& direction, std::uint32_t start) const;
   bool has_corners(TriangleId t, std::span<const std::uint32_t> corners) const;
 
-  std::uint32_t count_;
   std::uint32_t surface_id_;
   std::uint64_t moved_vertices_;
-  std::vector<double> blocks_;  // for four corners each: x, y and z; the last corner fills up
+  std::vector<Vec3> positions_;
   Vec3 center_;
   std::vector<Corners> triangles_;  // by corner
   mesh::VertexLists<std::uint32_t> neighbors_;

@@ -72,7 +72,8 @@ struct ConvexGap {
   TriangleId a = no_id, b = no_id;  ///< triangles that have the closest points, if these were found
 };
 
-/// Finds the nearest point of up to four corners, and leaves those that it is between. False if the hull has the origin.
+/// Finds the nearest point of up to four corners, and leaves those that it is between. False if the hull has the
+/// origin.
 bool reduce(Simplex& simplex);
 
 /// The nearest point as one of a core, in the frame of its model, and a triangle that has it.
@@ -82,7 +83,7 @@ TriangleId triangle_at(const model::ConvexParts& parts, const Simplex& simplex, 
 /// Searches for the closest points of two cores by supports.
 ///
 /// Based on  GJK [GilbertJohnsonKeerthi1988], with the lower bound of each step as in [VanDenBergen2001].
-/// Differs   The direction of a step is perpendicular to the face or edge that is nearest, by a cross product or a second
+/// Differs   The direction of a step is perpendicular to the nearest face or edge, by a cross product or a second
 ///           projection: so it has all digits also where bodies nearly touch. A bound counts once all corners have
 ///           been looked at, so that nothing depends on the bodies being convex to the last bit.
 class ConvexSearch {

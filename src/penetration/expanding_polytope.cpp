@@ -23,6 +23,8 @@ void ExpandingPolytope::run(const pair::Simplex& simplex, double relative_error,
       ++stats.node_tests;
       const std::uint16_t face = nearest_face();
       const Vec3 normal = faces_[face].normal;
+      const DifferenceCorner& near = corners_[faces_[face].corners[0]];
+      difference_.start_at(near.a, near.b);
       const DifferenceCorner corner = farthest(normal);
       const double left = dot(normal, corner.way) - faces_[face].distance;
       if (left <= std::max(enough / 8, relative_error / (1 + relative_error) * upper_) || has(corner)) break;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The limber authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Random convex hulls, on a lattice and off it: distances as those of their triangles, depths as by all normals that the
-// border of the Minkowski difference can have.
+// Random convex hulls, on a lattice and off it: distances as those of their triangles, depths as by all normals that
+// the border of the Minkowski difference can have.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -12,7 +12,7 @@
 namespace limber::reference {
 
 /// The brute-force twin of convex_depth(), of cores that meet, in float64 or in rational numbers: the border of their
-/// Minkowski difference has the normals of faces and of pairs of edges, and each is asked for how far all corners reach.
+/// Minkowski difference has the normals of faces and of pairs of edges; along each, all corners are looked at.
 template <typename Number>
 class LeastDepth {
  public:
