@@ -19,8 +19,8 @@
 namespace limber {
 
 /// A model whose triangles, with what they enclose, are convex: a closed surface without a concave edge, a flat
-/// polygon, a segment or a point. Keeps a pointer: the model must outlive it. It is checked once. After a vertex has moved, all
-/// queries of it throw std::invalid_argument, until create() has checked the model again.
+/// polygon, a segment or a point. It is checked once. After a vertex has moved, all queries of it throw
+/// std::invalid_argument, until create() has checked the model again. Keeps a pointer: the model must outlive it.
 ///
 /// Rounded  Coordinates that were rounded leave edges a little concave. Distances, and yes and no, are those of the
 ///          triangles all the same; a depth is that of their convex hull.

@@ -221,6 +221,7 @@ ConvexGap find_gap(const Placed& a, const Placed& b, const PlacedPair& placed, d
   const ConvexParts *parts_a = Access::convex_parts(a.body()), *parts_b = Access::convex_parts(b.body());
   if (parts_a == nullptr || parts_b == nullptr || base::is_limited(budget)) return {};
   if (placed.is_triangle(Side::a) && placed.is_triangle(Side::b)) return {};  // compared at once
+  if (const double bound = placed.root_bound(enough); bound > enough) return {.lower = bound};
   ConvexDifference difference(placed, *parts_a, *parts_b);
   ConvexSearch search(difference);
   ConvexStart* const start = cache == nullptr ? nullptr : &Access::impl(*cache).convex_start;
