@@ -55,6 +55,7 @@ enum class ErrorCode {
   changed_connectivity,  ///< a frame whose faces differ from those of the first frame
   broken_invariant,      ///< `validate()` found the structure damaged
   not_closed,            ///< a surface that has no inside: an edge that is not shared by two triangles, in order
+  not_convex,            ///< a concave edge, or what else keeps a mesh from being convex
 };
 
 /// One line for a person, a code for a program, and the place.

@@ -5,6 +5,7 @@
 /// This header brings what most programs need. Beside it stand io.h for mesh files and eigen.h for matrices of Eigen.
 #include "limber/base.h"
 #include "limber/contacts.h"
+#include "limber/convex.h"
 #include "limber/distance.h"
 #include "limber/elements.h"
 #include "limber/geometry.h"

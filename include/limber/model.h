@@ -187,6 +187,10 @@ class Model {
 
 class Shape;
 class ClosedSurface;
+class ConvexSurface;
+namespace model {
+class ConvexParts;
+}
 
 /// What queries are about: the triangles of a model; with a radius, all points that are at most that far from a
 /// triangle; of a solid, also all points that its surface encloses. Keeps a pointer: the model that it is of, or that a
@@ -206,6 +210,11 @@ class Body {
   ///
   /// Throws   std::invalid_argument if the model has been reset() since the surface was created.
   LIMBER_API explicit Body(const ClosedSurface& solid);
+  /// A convex surface with its inside (convex.h), and a margin around it. Keeps a pointer to the surface, too.
+  ///
+  /// Throws   std::invalid_argument if a vertex of the model has moved since the surface was created, or as above.
+  LIMBER_API explicit Body(const ConvexSurface& surface, double radius = 0);
+  explicit Body(const ConvexSurface&&, double = 0) = delete;
 
   const Model& model() const { return *model_; }
   double radius() const { return radius_; }
@@ -216,6 +225,7 @@ class Body {
 
   const Model* model_;
   double radius_ = 0;
+  const model::ConvexParts* convex_ = nullptr;  // of a body that is known to be convex
   std::uint32_t surface_id_ = 0;  // of a solid whose model may be reset()
   bool is_solid_ = false;
   bool is_in_one_piece_ = false;  // whether all triangles are known to be connected by common vertices

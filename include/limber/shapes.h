@@ -93,9 +93,11 @@ class [[nodiscard]] Shape {
   double deviation() const { return deviation_; }
 
  private:
-  Shape(Mesh core, double radius, bool is_solid, double deviation = 0);
+  friend struct Access;  // for the library's own use
+  Shape(Mesh core, double radius, bool is_solid, bool is_convex, double deviation = 0);
 
   std::unique_ptr<const Model> model_;
+  std::shared_ptr<const model::ConvexParts> parts_;  // of a shape that is convex
   double radius_, deviation_;
   bool is_solid_;
 };

@@ -65,7 +65,8 @@ void bind_errors(nb::module_& module) {
       .value("unsupported_format", ErrorCode::unsupported_format, docs::ErrorCode_unsupported_format)
       .value("changed_connectivity", ErrorCode::changed_connectivity, docs::ErrorCode_changed_connectivity)
       .value("broken_invariant", ErrorCode::broken_invariant, docs::ErrorCode_broken_invariant)
-      .value("not_closed", ErrorCode::not_closed, docs::ErrorCode_not_closed);
+      .value("not_closed", ErrorCode::not_closed, docs::ErrorCode_not_closed)
+      .value("not_convex", ErrorCode::not_convex, docs::ErrorCode_not_convex);
   nb::register_exception_translator(translate);
   const nb::exception<Busy> busy(module, "BusyError", PyExc_RuntimeError);
   busy.attr("__doc__") =

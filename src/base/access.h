@@ -24,6 +24,17 @@ struct Access {
     return body.is_in_one_piece_;
   }
 
+  /// What is known of a body that is convex; nullptr if nothing is.
+  template <typename Body>
+  static auto convex_parts(const Body& body) {
+    return body.convex_;
+  }
+
+  template <typename Convex>
+  static auto parts_of(const Convex& convex) {
+    return convex.parts_.get();
+  }
+
   /// The surface of a solid, which its model may lose; 0 for other bodies, and for shapes, which do not change.
   template <typename Body>
   static std::uint32_t surface_id(const Body& body) {

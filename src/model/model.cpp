@@ -16,6 +16,7 @@
 #include "base/check.h"
 #include "base/error_bounds.h"
 #include "base/float_environment.h"
+#include "limber/convex.h"
 #include "limber/points.h"
 #include "limber/shapes.h"
 #include "mesh/updates.h"
@@ -246,6 +247,7 @@ Body::Body(const Model& model, double radius) : model_(&model), radius_(radius) 
 Body::Body(const Shape& shape)
     : model_(&shape.model()),
       radius_(shape.radius()),
+      convex_(Access::parts_of(shape)),
       is_solid_(shape.is_solid()),
       is_in_one_piece_(shape.is_solid()) {}
 
@@ -254,13 +256,22 @@ Body::Body(const ClosedSurface& solid)
       surface_id_(Access::impl(*model_).surface_id),
       is_solid_(true) {}
 
+Body::Body(const ConvexSurface& surface, double radius) : Body(surface.model(), radius) {
+  convex_ = Access::parts_of(surface);
+  is_solid_ = is_in_one_piece_ = surface.is_solid();
+  LIMBER_REQUIRE(has_its_surface(*this), "limber::Body: the model has moved since it was found to be convex");
+}
+
 void throw_not_ready(const Placed& placed, const char* place, const char* name) {
   const auto text = [&](const char* what) { return std::string(place) + ": " + name + what; };
   LIMBER_REQUIRE(placed.model().is_committed(),
                  text(" is not committed: it has moves without a commit(), or has been moved from").c_str());
   LIMBER_REQUIRE(
       has_its_surface(placed.body()),
-      text(" was reset() after it was made a solid, so ClosedSurface::create() must check it again").c_str());
+      text(Access::convex_parts(placed.body()) == nullptr
+               ? " was reset() after it was made a solid, so ClosedSurface::create() must check it again"
+               : " has moved since it was found to be convex, so ConvexSurface::create() must check it again")
+          .c_str());
   geometry::throw_not_rigid(placed.pose, std::string(place) + ": the pose of " + name);
 }
 

@@ -15,6 +15,7 @@
 #include "geometry/rigid.h"
 #include "limber/elements.h"
 #include "limber/model.h"
+#include "model/convex_parts.h"
 #include "model/tree_updater.h"
 
 namespace limber {
@@ -48,10 +49,12 @@ struct Model::Impl {
   mutable std::optional<const MeshEdges> edges;  // once they have been asked for
 };
 
-/// Whether a body is no solid, or its model still has the surface that was found to be closed.
+/// Whether a body is no solid, or its model still has the surface that was found to be closed; and where that was found
+/// to be convex, no vertex has moved since.
 ///
 /// Pre: the model has not been moved from.
 inline bool has_its_surface(const Body& body) {
+  if (const model::ConvexParts* convex = Access::convex_parts(body)) return convex->is_of(body.model());
   const std::uint32_t id = Access::surface_id(body);
   return id == 0 || id == Access::impl(body.model()).surface_id;
 }

@@ -20,6 +20,7 @@
 #include "base/float_environment.h"
 #include "geometry/local_frame.h"
 #include "model/convex_hull.h"
+#include "model/convex_parts.h"
 
 namespace limber {
 namespace {
@@ -113,8 +114,9 @@ std::uint32_t sides_within(double error, double radius) {
 
 }  // namespace
 
-Shape::Shape(Mesh core, double radius, bool is_solid, double deviation)
+Shape::Shape(Mesh core, double radius, bool is_solid, bool is_convex, double deviation)
     : model_(std::make_unique<const Model>(std::move(core))),
+      parts_(is_convex ? std::make_shared<const model::ConvexParts>(*model_) : nullptr),
       radius_(radius),
       deviation_(deviation),
       is_solid_(is_solid) {
@@ -124,20 +126,20 @@ Shape::Shape(Mesh core, double radius, bool is_solid, double deviation)
 
 Shape Shape::sphere(double radius) {
   check_size(radius, "sphere", "radius");
-  return {core_mesh({Vec3{}}, {{0, 0, 0}}, "sphere"), radius, false};
+  return {core_mesh({Vec3{}}, {{0, 0, 0}}, "sphere"), radius, false, true};
 }
 
 Shape Shape::capsule(const Vec3& start, const Vec3& end, double radius) {
   check_point(start, "capsule", "start");
   check_point(end, "capsule", "end");
   check_size(radius, "capsule", "radius");
-  return {core_mesh({start, end}, {{0, 1, 1}}, "capsule"), radius, false};
+  return {core_mesh({start, end}, {{0, 1, 1}}, "capsule"), radius, false, true};
 }
 
 Shape Shape::box(const Vec3& half_extents, double radius) {
   for (std::size_t k = 0; k < 3; ++k) check_size(half_extents[k], "box", "each of the half extents");
   check_size(radius, "box", "radius");
-  return {core_mesh(box_corners(-half_extents, half_extents), box_triangles(), "box"), radius, true};
+  return {core_mesh(box_corners(-half_extents, half_extents), box_triangles(), "box"), radius, true, true};
 }
 
 Shape Shape::cylinder(const Vec3& start, const Vec3& end, double radius, double max_error) {
@@ -165,7 +167,7 @@ Shape Shape::cylinder(const Vec3& start, const Vec3& end, double radius, double 
     triangles.insert(triangles.end(), {{here, next, next + 1}, {here, next + 1, here + 1}});
   }
   // A corner is off by the rounding, sideways and along, and its end was moved out by as much: three times at most.
-  return {core_mesh(std::move(positions), std::move(triangles), "cylinder"), 0, true,
+  return {core_mesh(std::move(positions), std::move(triangles), "cylinder"), 0, true, true,
           (to_corner - radius + 3 * rounding) * prism_room};
 }
 
@@ -180,7 +182,7 @@ Shape Shape::half_space(const Vec3& normal, double offset, double half_extent) {
   std::vector<Vec3> corners =
       box_corners({-half_extent, -half_extent, offset - 2 * half_extent}, {half_extent, half_extent, offset});
   for (Vec3& corner : corners) corner = corner.x * across + corner.y * up + corner.z * along;
-  return {core_mesh(std::move(corners), box_triangles(), "half_space"), 0, true};
+  return {core_mesh(std::move(corners), box_triangles(), "half_space"), 0, true, true};
 }
 
 Shape Shape::convex_hull(std::span<const Vec3> points, double radius) {
@@ -188,7 +190,7 @@ Shape Shape::convex_hull(std::span<const Vec3> points, double radius) {
   check_points(points, "convex_hull");
   check_size(radius, "convex_hull", "radius");
   model::Hull hull = model::convex_hull(points);
-  return {core_mesh(std::move(hull.positions), std::move(hull.triangles), "convex_hull"), radius, hull.is_solid};
+  return {core_mesh(std::move(hull.positions), std::move(hull.triangles), "convex_hull"), radius, hull.is_solid, true};
 }
 
 Shape Shape::height_field(std::span<const double> heights, std::size_t columns, std::size_t rows, double step_x,
@@ -213,7 +215,7 @@ Shape Shape::height_field(std::span<const double> heights, std::size_t columns, 
     const auto here = static_cast<VertexId>(i), above = static_cast<VertexId>(i + columns);
     triangles.insert(triangles.end(), {{here, here + 1, above + 1}, {here, above + 1, above}});
   }
-  return {core_mesh(std::move(positions), std::move(triangles), "height_field"), radius, false};
+  return {core_mesh(std::move(positions), std::move(triangles), "height_field"), radius, false, false};
 }
 
 Shape Shape::point_cloud(std::span<const Vec3> points, double radius) {
@@ -221,7 +223,7 @@ Shape Shape::point_cloud(std::span<const Vec3> points, double radius) {
   check_size(radius, "point_cloud", "radius");
   std::vector<Corners> triangles;
   for (VertexId i = 0; i < points.size(); ++i) triangles.push_back({i, i, i});
-  return {core_mesh({points.begin(), points.end()}, std::move(triangles), "point_cloud"), radius, false};
+  return {core_mesh({points.begin(), points.end()}, std::move(triangles), "point_cloud"), radius, false, false};
 }
 
 }  // namespace limber

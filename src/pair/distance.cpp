@@ -16,6 +16,7 @@
 #include "pair/budget_meter.h"
 #include "pair/collectors/collector.h"
 #include "pair/containment.h"
+#include "pair/convex_pair.h"
 #include "pair/placed_pair.h"
 #include "pair/query_cache_impl.h"
 #include "pair/search.h"
@@ -72,15 +73,41 @@ void look_inside(DistanceResult& result, const Placed& a, const Placed& b, const
   pair::set_answer(result, some, {0, result.stopped_by}, {}, pair::Radii(a, b));
 }
 
+/// Compares the triangles that the search of two convex bodies has found.
+void compare_found(const pair::ConvexGap& gap, const pair::PlacedPair& placed, pair::ClosestPair& collector,
+                   QueryStats& stats) {
+  if (gap.a == no_id) return;
+  ++stats.primitive_tests;
+  collector.compare(pair::placed_triangle(placed, pair::Side::a, gap.a),
+                    pair::placed_triangle(placed, pair::Side::b, gap.b));
+}
+
+/// Lets the search of two convex bodies answer, where it has proven enough: what is then left. `tied` is how far cores
+/// have to be apart for rounding not to matter.
+std::optional<pair::Unsearched> settle(const pair::ConvexGap& gap, const pair::PlacedPair& placed, double limit,
+                                       double tied, pair::ClosestPair& collector, QueryStats& stats) {
+  if (gap.lower > limit) return pair::Unsearched{gap.lower};
+  pair::ClosestPair found = collector;  // a walk has to find by itself what it prunes by
+  compare_found(gap, placed, found, stats);
+  const bool is_settled = gap.lower > tied && found.upper <= limit && found.upper - gap.height <= gap.rounding;
+  if (!is_settled && !found.is_done()) return std::nullopt;
+  collector = found;
+  return pair::Unsearched{collector.upper};
+}
+
 CollideResult within(const Placed& a, const Placed& b, const pair::PlacedPair& placed, const pair::Radii& radii,
                      double max_distance, const QueryOptions& options) {
   BudgetMeter meter(options.budget);
   QueryStats stats;
   const double limit = radii.core_limit(max_distance);
   pair::ClosestPair collector({.max_distance = limit}, limit);
+  const pair::ConvexGap gap = pair::find_gap(a, b, placed, limit, options.budget, options.cache, stats);
+  if (gap.lower > limit) return answer_of(std::nullopt, StoppedBy::nothing, stats);
+  compare_found(gap, placed, collector, stats);
   // So that the answer is that of comparing all pairs, whatever comes first.
   const pair::Unsearched unsearched =
-      pair::search(placed, options.cache, collector, meter, stats, pair::Ties::compared);
+      collector.is_done() ? pair::Unsearched{0}
+                          : pair::search(placed, options.cache, collector, meter, stats, pair::Ties::compared);
   if (collector.upper > limit) {
     CollideResult result = answer_of(std::nullopt, unsearched.stopped_by, stats);
     look_inside(result, a, b, placed, unsearched, meter);
@@ -100,6 +127,9 @@ CollideResult collide(const Placed& a, const Placed& b, const QueryOptions& opti
   if (radii.has_radius()) return within(a, b, placed, radii, 0, options);
   BudgetMeter meter(options.budget);
   QueryStats stats;
+  if (pair::find_gap(a, b, placed, 0, options.budget, options.cache, stats).lower > 0) {
+    return answer_of(std::nullopt, StoppedBy::nothing, stats);
+  }
   pair::AnyContact collector;
   const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, stats);
   if (collector.witness) pair::remember(options.cache, *collector.witness);
@@ -118,15 +148,19 @@ DistanceResult distance(const Placed& a, const Placed& b, const DistanceOptions&
   DistanceResult result;
   const double limit = radii.core_limit(options.max_distance);
   pair::ClosestPair collector({options.relative_error, options.absolute_error, limit}, radii.radius(), radii.radius());
-  const pair::Unsearched unsearched = pair::search(placed, options.cache, collector, meter, result.stats,
-                                                   pair::Ties::skipped, tied_with_contacts(placed, radii));
+  const double tied = tied_with_contacts(placed, radii);
+  const pair::ConvexGap gap = pair::find_gap(a, b, placed, limit, options.budget, options.cache, result.stats);
+  const auto settled = settle(gap, placed, limit, tied, collector, result.stats);
+  const pair::Unsearched unsearched =
+      settled ? *settled
+              : pair::search(placed, options.cache, collector, meter, result.stats, pair::Ties::skipped, tied);
   if (!collector.witness && unsearched.stopped_by != StoppedBy::nothing) {  // abandoned before anything was compared
     collector.compare(pair::placed_triangle(placed, pair::Side::a, placed.first_triangle(pair::Side::a)),
                       pair::placed_triangle(placed, pair::Side::b, placed.first_triangle(pair::Side::b)));
   }
   pair::set_answer(result, collector, unsearched, options, radii);
   if (result.witness) pair::remember(options.cache, *result.witness);
-  look_inside(result, a, b, placed, unsearched, meter);
+  if (!settled) look_inside(result, a, b, placed, unsearched, meter);
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include "base/check.h"
 #include "limber/distance.h"
 #include "limber/model.h"
+#include "pair/convex_start.h"
 #include "pair/front.h"
 
 namespace limber {
@@ -49,6 +50,7 @@ struct QueryCache::Impl {
   pair::Trial pair;                                   // to compare these triangles first
   pair::Trial bound;                                  // to keep the bound of the last query, less the motion since
   pair::Trial recording;                              // to record a front
+  pair::ConvexStart convex_start;                     // the last simplex of two convex bodies
   double work_of_new = 0;  // of the last traversal from the roots, in pairs of nodes that are compared
   pair::Front front;
 
