@@ -8,8 +8,8 @@
 //   3. the gap along the normal of either slab, with the gap of the spheres across it (slab_sq);
 //   4. the gap along the line of centers (slab_sq).
 // A fifth, the gap along the search direction, prunes on its own (compare_along). Where a child that is left or the
-// other slot is elongated, bound 6 is the distance of the boxes along their slabs, or the gap across the longest axes of
-// both (compare_along_slabs).
+// other slot is elongated, bound 6 is the distance of the boxes along their slabs, or the gap across the longest axes
+// of both (compare_along_slabs).
 
 #if defined(LIMBER_SIMD_BOUND_CHILDREN_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per instruction set
 #ifdef LIMBER_SIMD_BOUND_CHILDREN_INL_H
