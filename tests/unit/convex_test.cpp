@@ -71,6 +71,10 @@ TEST(ConvexSurface, OthersAreRefusedNamingWhatAndWhere) {
   expect_refused(mesh_of(corner, {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}), "outline is concave at vertex 3");
   expect_refused(mesh_of(corner, {{0, 1, 2}, {3, 4, 5}}), "more than one outline");
   expect_refused(mesh_of(corner, {{0, 1, 2}, {0, 2, 1}}), "lies on others");
+  std::vector<Vec3> star{{0, 0, 0}};
+  for (int i = 0; i < 5; ++i)
+    star.push_back({std::cos(0.8 * i * std::numbers::pi), std::sin(0.8 * i * std::numbers::pi), 0});
+  expect_refused(mesh_of(star, {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1}}), "crosses itself");
   expect_refused(mesh_of({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}}, {{0, 1, 1}, {2, 3, 3}}), "a gap of 1.73");
 }
 
@@ -216,6 +220,13 @@ TEST(ConvexQueries, AreAnsweredBySupports) {
   EXPECT_LT(distance(a, b).stats.node_tests, 20U);
   EXPECT_EQ(collide(a, b).stats.primitive_tests, 0U);
   EXPECT_EQ(within(a, b, 2).stats.primitive_tests, 1U);
+  Rng rng(6);
+  int others = 0;
+  for (int round = 0; round < 300; ++round) {
+    const DistanceResult near = distance({ball, random_pose(rng, 1)}, {box, random_pose(rng, 3)});
+    others += near.upper > 0 && near.stats.primitive_tests != 1 ? 1 : 0;
+  }
+  EXPECT_LE(others, 3);
   QueryCache cache;
   const std::uint64_t cold = distance(a, b, {.cache = &cache}).stats.node_tests;
   EXPECT_LT(distance(a, b, {.cache = &cache}).stats.node_tests, cold);
