@@ -39,8 +39,8 @@ inline std::uint32_t nearest_of(const simd::Candidates& found) {
 ///   3. A kernel lists the candidates: the pairs of triangles that it cannot prune.
 ///   4. The candidates are compared, the one of least bound first. Each may lower the cutoff, and prune others.
 ///
-/// The cutoff is lowered early by two guesses, whose state is in TraversalState: the descent straight down to two leaves
-/// (BucketOrder), and the seed, a likely closest pair of triangles over a flat part (FlatSeed).
+/// The cutoff is lowered early by two guesses, whose state is in TraversalState: the descent straight down to two
+/// leaves (BucketOrder), and the seed, a likely closest pair of triangles over a flat part (FlatSeed).
 template <typename Collector>
 class BestOfLeaves {
  public:
