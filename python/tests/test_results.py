@@ -61,7 +61,7 @@ def test_results_are_used_as_their_records(tmp_path: Path) -> None:
         assert numpy.asarray(result) is records and (numpy.array(result) == records).all()
         assert not numpy.shares_memory(numpy.array(result), records)
         used += 1
-    assert used == 5
+    assert used == 6
     pairs = next(result for result in results(tmp_path) if isinstance(result, limber3d.TrianglePairs))
     assert numpy.asarray(pairs, float).dtype == float
 
