@@ -252,9 +252,9 @@ LIMBER_KERNEL_APART KeptSlots compare_along_slabs(const bvh::Node& node, const S
   const OrientedBoxes box = oriented_box(other, projected, transform);
   for (std::uint32_t i = 0; i < width; i += Packet::lanes) {
     const Packet3 d = broadcast(projected.center) - centers(node.bounds, i);
-    const OrientedBoxes own = oriented_boxes(node, i);
-    const OrientedGaps g = oriented_gaps(own, box, d);
-    const Packet across = max(gap_across(own, box, d), zero());
+    const OrientedBoxes boxes = oriented_boxes(node, i);
+    const OrientedGaps g = oriented_gaps(boxes, box, d);
+    const Packet across = max(gap_across(boxes, box, d), zero());
     const Packet gap_sq = max(max(length_of_gaps_sq(g.own), length_of_gaps_sq(g.other)), across * across) *
                           Packet::set(1 - base::sides_error);
     const Mask is_better = gap_sq > zero();

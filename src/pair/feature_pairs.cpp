@@ -132,7 +132,7 @@ namespace {
 
 using geometry::near_unit;
 
-using Memory = FeaturePairs::Impl;
+using FeatureMemory = FeaturePairs::Impl;
 using pair::EdgeVertices;
 using pair::Side;
 
@@ -194,7 +194,7 @@ Vec3 from_a_to_b(const Triangle& a, const Vec3& w, const Triangle& b, const Vec3
 template <bool is_self>
 class FeatureSink {
  public:
-  FeatureSink(const pair::PlacedPair& placed, const MeshEdges& edges_a, const MeshEdges& edges_b, Memory& found)
+  FeatureSink(const pair::PlacedPair& placed, const MeshEdges& edges_a, const MeshEdges& edges_b, FeatureMemory& found)
       : placed_(placed), edges_{&edges_a, &edges_b}, found_(found) {
     found_.start();
   }
@@ -220,7 +220,7 @@ class FeatureSink {
  private:
   struct Waiting {
     FeatureOf a, b;
-    Memory::Key key;
+    FeatureMemory::Key key;
   };
 
   void add(const FeatureOf& a, const FeatureOf& b, double distance) {
@@ -229,7 +229,7 @@ class FeatureSink {
     if (a.kind == FeatureKind::face || b.kind == FeatureKind::face || (is_edge_a && is_edge_b)) {
       return append(a, b, distance);
     }
-    using Kinds = Memory::Kinds;
+    using Kinds = FeatureMemory::Kinds;
     const Kinds kinds = is_edge_a ? Kinds::edge_vertex : is_edge_b ? Kinds::vertex_edge : Kinds::vertex_vertex;
     Waiting& w = waiting_[waiting_count_++];
     w = {a, b, {std::uint64_t{a.id} << 32U | b.id, kinds}};
@@ -270,7 +270,7 @@ class FeatureSink {
 
   const pair::PlacedPair& placed_;
   const MeshEdges* edges_[2];
-  Memory& found_;
+  FeatureMemory& found_;
   std::size_t waiting_count_ = 0;
   std::array<Waiting, 16> waiting_;
 };
