@@ -226,7 +226,7 @@ class Body {
   const Model* model_;
   double radius_ = 0;
   const model::ConvexParts* convex_ = nullptr;  // of a body that is known to be convex
-  std::uint32_t surface_id_ = 0;  // of a solid whose model may be reset()
+  std::uint32_t surface_id_ = 0;                // of a solid whose model may be reset()
   bool is_solid_ = false;
   bool is_in_one_piece_ = false;  // whether all triangles are known to be connected by common vertices
 };
