@@ -47,7 +47,9 @@ ConvexDepth convex_depth(const Placed& a, const Placed& b, const ConvexDepthOpti
   ConvexDepth result;
   pair::ConvexDifference difference(placed, parts_a, parts_b);
   pair::ConvexSearch search(difference);
-  search.run(difference.units(radii.radius()) + difference.rounding(), {}, result.stats);
+  // Beyond this the bodies are apart for certain.
+  search.run(difference.units(radii.radius()) * base::outward * base::outward + 2 * difference.rounding(), {},
+             result.stats);
   const pair::Simplex& simplex = search.simplex();
   const double apart = search.height() - difference.rounding();
   if (apart > 0 && difference.from_units(apart) * base::inward > radii.radius()) return result;

@@ -57,6 +57,7 @@ bool ExpandingPolytope::start(const pair::Simplex& simplex) {
   }
   if (corner_count_ == 2) {
     const Vec3 edge = at(1) - at(0);
+    if (max_abs(edge) == 0) return false;
     const DifferenceCorner corner = farthest(geometry::perpendicular_to(geometry::unit(edge)));
     if (upper_ <= little) return false;
     add_corner(corner);
@@ -154,7 +155,8 @@ bool ExpandingPolytope::grow(std::uint16_t first, const DifferenceCorner& corner
     for (std::uint16_t i = 0; i < seen_count_; ++i) faces_[seen_[i]].is_seen = false;
     return false;
   };
-  if (horizon_count_ > free_count_) return undo();
+  // Where rounding has it that all faces are seen, there is no edge around them.
+  if (horizon_count_ < 3 || horizon_count_ > free_count_) return undo();
   constexpr std::uint16_t none = most_faces;
   std::array<std::uint16_t, most_corners> face_from;
   face_from.fill(none);

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
+#include <limits>
 
 #include "limber/distance.h"
 #include "limber/math.h"
