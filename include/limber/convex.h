@@ -34,7 +34,7 @@ class ConvexSurface {
   /// Errors   `not_convex`, naming the edge that is concave and by how much; `not_closed`, naming the edge; `where` is
   ///          the triangle.
   /// Throws   std::invalid_argument unless max_concavity is finite and >= 0.
-  /// Cost     O(n log n) where an edge is concave. O(n^2) where none is: some 10 ms for 1000 vertices.
+  /// Cost     O(n log n) where an edge is concave. O(n^2) where none is: some 40 ms for 1000 vertices.
   LIMBER_API static Result<ConvexSurface> create(const Model& model,
                                                  std::optional<double> max_concavity = std::nullopt);
   static Result<ConvexSurface> create(const Model&&,
