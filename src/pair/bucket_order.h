@@ -6,8 +6,6 @@
 #include <bit>
 #include <cstdint>
 #include <iterator>
-#include <limits>
-#include <utility>
 
 #include "base/check.h"
 #include "pair/collectors/collector.h"

@@ -183,8 +183,11 @@ void ConvexSearch::prove() {
   height_ = std::max(height_, is_proven ? best_height_ : difference_.least_height(best_direction_));
 }
 
-void ConvexSearch::run(double enough, const ConvexStart& start, QueryStats& stats) {
+void ConvexSearch::run(double enough, const ConvexStart& start, bool may_give_up, QueryStats& stats) {
   constexpr int most_steps = 64;
+  // Bodies that overlap along their centers by this part of the distance of these rarely are apart. No answer depends
+  // on it.
+  constexpr double deep_part = 0.25;
   const ConvexParts &a = difference_.parts(Side::a), &b = difference_.parts(Side::b);
   for (std::uint32_t i = 0; i < start.count; ++i) {
     if (start.a[i] >= a.count() || start.b[i] >= b.count()) continue;
@@ -195,15 +198,18 @@ void ConvexSearch::run(double enough, const ConvexStart& start, QueryStats& stat
   for (int step = 0; step < most_steps; ++step) {
     ++stats.node_tests;
     Vec3 direction;
+    double deep = std::numeric_limits<double>::infinity();
     if (simplex_.count > 0) {
       if (!reduce(simplex_) || meets() || simplex_.distance >= farthest) break;
       farthest = simplex_.distance, direction = simplex_.direction;
     } else {
       direction = difference_.between_centers();
+      if (may_give_up) deep = deep_part * length(direction);
       direction = max_abs(direction) > 0 ? geometry::unit(direction) : Vec3{1, 0, 0};
     }
     const DifferenceCorner lowest = difference_.lowest(direction);
     const double height = dot(direction, lowest.way);
+    if (height < -deep) return;
     if (height > best_height_) best_height_ = height, best_direction_ = direction;
     if (best_height_ >= enough) {
       prove();
@@ -228,7 +234,7 @@ ConvexGap find_gap(const Placed& a, const Placed& b, const PlacedPair& placed, d
   ConvexSearch search(difference);
   ConvexStart* const start = cache == nullptr ? nullptr : &Access::impl(*cache).convex_start;
   search.run(difference.units((enough + placed.error()) * base::outward), start == nullptr ? ConvexStart{} : *start,
-             stats);
+             true, stats);
   const Simplex& simplex = search.simplex();
   if (start != nullptr) {
     start->count = std::min(simplex.count, 3U);

@@ -90,8 +90,9 @@ class ConvexSearch {
  public:
   explicit ConvexSearch(ConvexDifference& difference) : difference_(difference) {}
 
-  /// Ends when the lower bound is `enough`, or no step brings the origin closer. `start` may be of other bodies.
-  void run(double enough, const ConvexStart& start, QueryStats& stats);
+  /// Ends when the lower bound is `enough`, or no step brings the origin closer. `start` may be of other bodies. Where
+  /// bodies overlap deeply along their centers, it `may_give_up` at once: another search finds a contact sooner.
+  void run(double enough, const ConvexStart& start, bool may_give_up, QueryStats& stats);
 
   /// The best proven height, in units; 0 if there is none.
   double height() const { return height_; }

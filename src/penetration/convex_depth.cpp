@@ -48,7 +48,7 @@ ConvexDepth convex_depth(const Placed& a, const Placed& b, const ConvexDepthOpti
   pair::ConvexDifference difference(placed, parts_a, parts_b);
   pair::ConvexSearch search(difference);
   // Beyond this the bodies are apart for certain.
-  search.run(difference.units(radii.radius()) * base::outward * base::outward + 2 * difference.rounding(), {},
+  search.run(difference.units(radii.radius()) * base::outward * base::outward + 2 * difference.rounding(), {}, false,
              result.stats);
   const pair::Simplex& simplex = search.simplex();
   const double apart = search.height() - difference.rounding();
